@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rom.answer import Answer
     from rom.rod.friction.history import friction_history
-    from rom.rod.guide_history import guide_history
-    from rom.rod.guides import GuidedFinger
+    from rom.rod.guides.guided_finger import GuidedFinger
+    from rom.rod.guides.history import guide_history
     from rom.rod.motion.moving_finger import MovingFinger
     from rom.rod.objects.search import find_object
     from rom.rod.objects.shapes import Cylinder, Hull, Plane, Sphere, box
@@ -35,8 +35,8 @@ _HOMES = {
     "box": "rom.rod.objects.shapes",
     "find_object": "rom.rod.objects.search",
     "friction_history": "rom.rod.friction.history",
-    "GuidedFinger": "rom.rod.guides",
-    "guide_history": "rom.rod.guide_history",
+    "GuidedFinger": "rom.rod.guides.guided_finger",
+    "guide_history": "rom.rod.guides.history",
     "specialise": "rom.separated.rod_source",
 }
 __all__ = [

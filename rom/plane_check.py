@@ -12,7 +12,7 @@ from rom.console.terminal import Progress, quiet
 from rom.dataset import mesh_transfer
 from rom.dataset.description import difference
 from rom.dataset.grid import SHARE
-from rom.dataset.section import top
+from rom.dataset.sections.section import top
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.error_statistics import mean_size
 from rom.file_kinds import uses_of

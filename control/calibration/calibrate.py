@@ -19,7 +19,7 @@ from control.calibration.scaled_finger import ScaledFinger
 from control.log import Log, read_log
 from rom.brief import brief
 from rom.csv_table import ANGLES, LENGTHS
-from rom.dataset.section import extent
+from rom.dataset.sections.section import extent
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.rod.weight import gravity_of

@@ -19,9 +19,9 @@ from control.calibration.scaled_finger import ScaledFinger
 from control.calibration.unexplained import Effect, effects
 from rom.brief import brief
 from rom.console.table import Table, as_html
-from rom.rod.calibration_tables import calibration_tables
 from rom.rod.rod import Rod
-from rom.rod.scene_of_rod import rescaled
+from rom.rod.scene.scene_of_rod import rescaled
+from rom.rod.tables.calibration_tables import calibration_tables
 
 LEVEL = 0.95  # of intervals
 # With friction, a pose depends on those before it, which the covariance neglects: errors over deviations, rms, of

@@ -17,7 +17,7 @@ import numpy as np
 from rom.atomic_file import write_whole
 from rom.checked_file import ModelError
 from rom.dataset.geometry import tip_at_rest
-from rom.dataset.section import top
+from rom.dataset.sections.section import top
 from rom.export.model import struct
 from rom.export.wasm_memory import Image
 from rom.rod.compiled import ENDS

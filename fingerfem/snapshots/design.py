@@ -14,9 +14,9 @@ from fingerfem.scene.sections import PlaneMesh
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.given_points import GivenPoints
 from rom.dataset.body import RestBody
-from rom.dataset.plane_nodes import plane_nodes
-from rom.dataset.section import outline
-from rom.dataset.sections import CrossSections, positions_of
+from rom.dataset.sections.cross_sections import CrossSections, positions_of
+from rom.dataset.sections.plane_nodes import plane_nodes
+from rom.dataset.sections.section import outline
 from rom.dataset.snapshot_set import Description
 
 

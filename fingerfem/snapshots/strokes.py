@@ -9,7 +9,7 @@ import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.model import FingerModel
-from rom.dataset.sections import CrossSections
+from rom.dataset.sections.cross_sections import CrossSections
 
 
 class Strokes:

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from fingerfem.scene.scene import Scene
-from rom.dataset import section
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections import section
+from rom.dataset.sections.section_outline import SectionOutline
 
 EACH, MOMENT = 9, 3  # numbers that one wrench is drawn by; that its moment is drawn by besides
 BEHIND = 0.2  # most of a normal's component along the plate's axis: farther behind, the rubber touches first [-]

@@ -69,7 +69,7 @@ QUANTITIES = (
         name="section_place",
         shape=("sections", 3),
         unit="m",
-        meaning="mean position of every cross-section, see rom.dataset.sections",
+        meaning="mean position of every cross-section, see rom.dataset.sections.cross_sections",
         scope="load",
     ),
     Quantity(

@@ -12,7 +12,7 @@ import numpy as np
 from rom import checked_file
 from rom.brief import brief
 from rom.dataset.actuators import count_of, pressures_of
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.law import ElementLaw
 from rom.elements.outline import OutlineLaw
 from rom.elements.polynomial import Polynomial

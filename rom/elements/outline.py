@@ -13,8 +13,8 @@ import numpy as np
 
 from rom.brief import brief
 from rom.dataset.grid import SHARE, levels
-from rom.dataset.plane_nodes import CORNERS
-from rom.dataset.section import outline
+from rom.dataset.sections.plane_nodes import CORNERS
+from rom.dataset.sections.section import outline
 from rom.elements.fitting.candidates import box, weights_of
 from rom.elements.fitting.regression import NormalEquations, index_set
 from rom.elements.law import combined, scales_of, wrench_scales

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.dataset.section import extent
+from rom.dataset.sections.section import extent
 from rom.elements.law import POSE, ElementMap
 
 SHAPE = 1.1  # height of the middle over growth per length and width [-]

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from rom.brief import brief
+from rom.dataset.geometry import steepest
+from rom.dataset.sections.section import extent
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import Floors, floors_of
+
+if TYPE_CHECKING:
+    from rom.rod.rod import Rod
 
 # What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
 # of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
@@ -83,3 +91,14 @@ def expected_errors(
         surface=max(size * elements.outlines[kind].error for kind in kinds) + position,
         floors=Floors(place * lever + PLACE * change, force + FORCE * slope),
     )
+
+
+def errors_of(rod: Rod) -> ExpectedErrors:
+    """Those of a finger; at least those on the log of its calibration."""
+    trained, geometry = sum(rod.elements.scene["geometry"]["segments"]), rod.scene["geometry"]
+    thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in rod.pieces]
+    longer = float(np.dot(thinner, geometry["segments"]) / (rod.similarity.size * trained))
+    kinds, slope = {piece.kind for own in rod.pieces for piece in own}, steepest(geometry, extent(rod.scene))
+    tapered = slope, slope * sum(geometry["segments"])
+    found = expected_errors(rod.elements, kinds, rod.similarity.size, longer, tapered)
+    return found.at_least(rod.calibration.get("errors", {}), rod.elements)

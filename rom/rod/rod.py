@@ -20,22 +20,22 @@ from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
 from rom.dataset.actuators import actuators_of
-from rom.dataset.geometry import sizes_of, steepest, tip_at_rest
-from rom.dataset.section import extent
+from rom.dataset.geometry import sizes_of, tip_at_rest
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece, cut
 from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.native import PickledByFields
 from rom.parameter import Parameter
-from rom.rod import compiled, shape, summary
+from rom.rod import compiled, shape
 from rom.rod.chain_of_rod import QUANTITIES as QUANTITIES
 from rom.rod.chain_of_rod import chain_of
 from rom.rod.compiled import reports
-from rom.rod.expected_errors import ExpectedErrors, expected_errors
+from rom.rod.expected_errors import ExpectedErrors, errors_of
 from rom.rod.limits import check as check_rod
-from rom.rod.scene_of_rod import Similarity, of_tables, passing, read_scene, similarity
+from rom.rod.scene.scene_of_rod import Similarity, of_tables, passing, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
+from rom.rod.tables import summary
 from rom.rod.weight import turned
 
 KIND, FORMAT, PLAIN = "fingerfem rod", 2, ("scene", "accuracy", "calibration")
@@ -69,15 +69,13 @@ class Rod(PickledByFields):
         scene: of the finger: geometry, material and tendons, as plain data.
         accuracy: errors measured on held-out states; empty if not measured.
         calibration: on which log and with which result (`control.calibrate`); empty if not calibrated.
-        parts: into which interior elements are cut: more have the mass of a moving finger at more sections, and its
-            answers at rest change by less than their errors.
+        parts: into which interior elements are cut, for the mass of a moving finger; answers at rest hardly change.
 
     Raises:
         ModelError: the elements cannot make this finger; the message says what is missing.
 
     Example:
-        >>> finger = Rod.load("finger.h5").assembled("longer.toml")  # doctest: +SKIP
-        >>> finger.place([30.0, 0.0]).centres[-1]  # doctest: +SKIP
+        >>> Rod.load("finger.h5").assembled("longer.toml").place([30.0, 0.0]).centres[-1]  # doctest: +SKIP
     """
 
     elements: Elements
@@ -121,11 +119,8 @@ class Rod(PickledByFields):
     @cached_property
     def segments(self) -> list[Segment]:
         """Segments from clamp to tip; a tendon passes all segments up to its plate, chambers are in the only one."""
-        found = []
-        for k, own in enumerate(self.pieces):
-            names, trained = passing(self.elements.scene, self.scene, self.similarity, k)
-            found.append(segment_of(self.own, own, names, trained))
-        return found
+        known = self.elements.scene, self.scene, self.similarity
+        return [segment_of(self.own, own, *passing(*known, k)) for k, own in enumerate(self.pieces)]
 
     @property
     def parameters(self) -> list[Parameter]:
@@ -155,13 +150,7 @@ class Rod(PickledByFields):
     @cached_property
     def errors(self) -> ExpectedErrors:
         """The expected errors, from lines left out of the training; at least those on the log of a calibration."""
-        trained, geometry = sum(self.elements.scene["geometry"]["segments"]), self.scene["geometry"]
-        thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in self.pieces]
-        longer = float(np.dot(thinner, geometry["segments"]) / (self.similarity.size * trained))
-        kinds, slope = {piece.kind for own in self.pieces for piece in own}, steepest(geometry, extent(self.scene))
-        tapered = slope, slope * sum(geometry["segments"])
-        found = expected_errors(self.elements, kinds, self.similarity.size, longer, tapered)
-        return found.at_least(self.calibration.get("errors", {}), self.elements)
+        return errors_of(self)
 
     @cached_property
     def struct(self) -> Any:

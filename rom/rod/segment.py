@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.dataset.section import area
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections.section import area
+from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.elements import INTERIOR, Elements
 from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece

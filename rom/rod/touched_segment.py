@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from rom.answer import Answer
 from rom.brief import brief
 from rom.bundled import file_of
-from rom.dataset.section import top
+from rom.dataset.sections.section import top
 from rom.native import LIBRARY
 from rom.rod import compiled
 from rom.rod.objects.shapes import RigidObject, facing_plane

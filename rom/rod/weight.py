@@ -9,7 +9,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.checked_file import ModelError
-from rom.dataset.section import area
+from rom.dataset.sections.section import area
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod

@@ -13,7 +13,7 @@ from rom.checked_file import read_tree, require, shaped
 from rom.dataset.actuators import count_of
 from rom.native import LIBRARY
 from rom.parameter import Parameter
-from rom.rod.scene_of_rod import of_tables
+from rom.rod.scene.scene_of_rod import of_tables
 from rom.separated.errors import Errors
 from rom.separated.form import Separated
 

@@ -10,7 +10,7 @@ import numpy as np
 from rom.answer import FORCE, TOUCH, Answer
 from rom.checked_file import require
 from rom.console.terminal import Progress, quiet
-from rom.dataset.section import top
+from rom.dataset.sections.section import top
 from rom.error_statistics import compared, differences
 from rom.parameter import joined
 from rom.rod.objects.shapes import facing_plane

@@ -12,7 +12,7 @@ import numpy as np
 
 from rom import GuidedFinger, Rod, TouchedSegment, guide_history
 from rom.error_statistics import quantiles
-from rom.rod.guides import GuideState
+from rom.rod.guides.guided_finger import GuideState
 from rom.rod.objects.shapes import facing_plane
 from studies.axes import large_letters
 from studies.cores import on_cores

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rom.build import train_rod
-from rom.dataset.section import area
+from rom.dataset.sections.section import area
 from rom.elements.samples.section_states import read_section_states
 from rom.rod.pressed_check import check_pressed
 from studies import sets

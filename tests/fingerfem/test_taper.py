@@ -14,7 +14,7 @@ from fingerfem import FingerModel
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.scene.scene import Scene
 from rom import Cylinder, Rod, TouchedSegment
-from rom.dataset.sections import CrossSections
+from rom.dataset.sections.cross_sections import CrossSections
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.fitting.training import train
 

@@ -14,7 +14,7 @@ from rom import Rod, SeparatedModel
 from rom.checked_file import ModelError
 from rom.native import LIBRARY, compiler
 from rom.rod import limits as rod_limits
-from rom.rod.scene_of_rod import MOST_SEGMENTS
+from rom.rod.scene.scene_of_rod import MOST_SEGMENTS
 from rom.rod.touched_segment import SHIPPED
 from rom.separated.model_file import MOST_PARAMETERS
 from tests.rom import fuzzed

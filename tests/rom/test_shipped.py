@@ -6,7 +6,7 @@ import pytest
 
 from rom import TouchedSegment
 from rom.bundled import FINGERS, file_of
-from rom.rod.scene_of_rod import read_scene
+from rom.rod.scene.scene_of_rod import read_scene
 from rom.rod.touched_segment import SHIPPED
 
 MAKEFILE = Path(__file__).resolve().parents[2] / "Makefile"

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 from fingerfem.scene.sections.gmsh_file import FileMesh, read_gmsh
 from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
 from fingerfem.scene.sections.section import Column, Inside, Section, Wanted
-from rom.dataset.section_outline import MOST_VERTICES
+from rom.dataset.sections.section_outline import MOST_VERTICES
 
 GROUPS = {"channel": "channel", "straight": "hole"}  # of a tendon's path: the first word of its group's name
 
@@ -56,7 +56,7 @@ class FromFile(Section):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def measures(self) -> dict[str, Any]:
-        """What rod elements need of it, as `rom.dataset.section` reads it; of many corners of its hull the farthest."""
+        """What rod elements need, see `rom.dataset.sections.section`; of many corners of its hull the farthest."""
         hull = self._read.points[ConvexHull(self._read.points).vertices]
         if len(hull) > MOST_VERTICES:
             angles = 2 * np.pi * np.arange(MOST_VERTICES) / MOST_VERTICES

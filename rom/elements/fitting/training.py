@@ -15,7 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
-from rom.dataset.section import extent, outline
+from rom.dataset.sections.section import extent, outline
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import error_factors, floors_of

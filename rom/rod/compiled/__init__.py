@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rom.brief import brief
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.law import ElementMap
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY, pointer

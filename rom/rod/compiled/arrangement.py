@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY
 from rom.rod.wrench_products import padded

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.dataset.section import area, mean_squares
+from rom.dataset.sections.section import area, mean_squares
 from rom.rod.rod import Rod
 
 

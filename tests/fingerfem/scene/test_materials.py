@@ -15,7 +15,7 @@ from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import PlaneMesh
 from fingerfem.scene.toml_file import one_line
 from rom.checked_file import ModelError
-from rom.rod.scene_of_rod import of_tables
+from rom.rod.scene.scene_of_rod import of_tables
 
 STIFF = {"law": "neo-hookean", "E": 5e7, "nu": 0.3}
 LAYER = {"name": "layer", "region": "rectangle", "centre": [-0.0045, 0.0], "size": [0.001, 0.01], "material": STIFF}

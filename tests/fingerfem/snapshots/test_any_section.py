@@ -14,7 +14,7 @@ from fingerfem.scene.scene import Scene
 from fingerfem.snapshots.design import describe
 from fingerfem.snapshots.wrenches import draws, on_plates
 from rom.build import train_rod
-from rom.dataset import section
+from rom.dataset.sections import section
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.samples.symmetry import mirrors

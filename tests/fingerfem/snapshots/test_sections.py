@@ -21,7 +21,7 @@ from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
 from fingerfem.snapshots.design import body
 from fingerfem.snapshots.recorder import Recorder
-from rom.dataset.sections import CrossSections
+from rom.dataset.sections.cross_sections import CrossSections
 
 ONE = {"order 1": ([9, 5], 1), "order 2": ([6, 5], 2)}
 WRENCHES = np.array([[-0.6, -1.5, 0.8, 2e-3, -3e-3, 4e-3], [0.4, 0.3, -0.5, -1e-3, 2e-3, 1e-3]])  # [N, N m]

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from rom import Cylinder, Hull, Plane, Rod, Sphere, TouchedSegment, box
-from rom.dataset.section_outline import BOX, SectionOutline
+from rom.dataset.sections.section_outline import BOX, SectionOutline
 from rom.rod.compiled import evaluation
 from rom.rod.objects.shapes import RigidObject
 

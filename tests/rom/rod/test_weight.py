@@ -12,7 +12,7 @@ from rom.checked_file import ModelError
 from rom.rod.compiled import reports
 from rom.rod.objects.shapes import Cylinder, facing_plane
 from rom.rod.rod import Rod
-from rom.rod.scene_of_rod import of_tables
+from rom.rod.scene.scene_of_rod import of_tables
 from rom.rod.touched_segment import TouchedSegment
 from rom.rod.weight import gravity_of, weight_of
 from tests.rom.elements import elastic_rod as rod

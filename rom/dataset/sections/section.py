@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections.section_outline import SectionOutline
 
 SQUARE, RECTANGLE, CIRCLE, RING, FILE = "square", "rectangle", "circle", "ring", "file"
 # Sizes of every shape in a table, the first the one that others are compared to.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rom.dataset.plane_nodes import CORNERS, PlaneNodes, plane_nodes
+from rom.dataset.sections.plane_nodes import CORNERS, PlaneNodes, plane_nodes
 
 BOX = np.array([8e-3, 5e-3])  # [m]
 

@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 
 from rom.dataset import rigid_motion
 from rom.dataset.grid import levels
-from rom.dataset.plane_nodes import PlaneNodes
+from rom.dataset.sections.plane_nodes import PlaneNodes
 
 
 def positions_of(nodes: np.ndarray, order: int) -> np.ndarray:

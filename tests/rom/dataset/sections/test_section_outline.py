@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rom.checked_file import ModelError
-from rom.dataset.section_outline import SectionOutline
+from rom.dataset.sections.section_outline import SectionOutline
 
 HEXAGON = np.array([[np.cos(a), np.sin(a)] for a in np.pi / 3 * np.arange(6)]) * 0.01
 OUTLINES = {

@@ -9,8 +9,8 @@ import numpy as np
 
 from rom.checked_file import ModelError
 from rom.dataset.geometry import plates_of
-from rom.dataset.section import extent
-from rom.rod.section_of_rod import NEAR
+from rom.dataset.sections.section import extent
+from rom.rod.scene.section_of_rod import NEAR
 
 
 def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rom.dataset.plane_nodes import plane_nodes
-from rom.dataset.sections import CrossSections
+from rom.dataset.sections.cross_sections import CrossSections
+from rom.dataset.sections.plane_nodes import plane_nodes
 
 LINES = [np.array([0.0, 3e-3, 1e-2, 1.2e-2]), np.array([-5e-3, -2e-3, 0.0, 2e-3, 5e-3])]  # uneven, y symmetric [m]
 CASES = list(product((1, 2), (False, True)))  # order, is_half

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rom.console.table import NOT_MEASURED, Table, accuracy, parameters, percent
 from rom.dataset.grid import SHARE
-from rom.rod.calibration_tables import calibration_tables
+from rom.rod.tables.calibration_tables import calibration_tables
 from rom.rod.weight import weight_of
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rom.checked_file import ModelError
-from rom.dataset.section import area, channel_width, extent, mean_squares, outline, top
-from rom.rod.scene_of_rod import of_tables, read_scene, rescaled, similarity
-from rom.rod.section_of_rod import rescaled_section
+from rom.dataset.sections.section import area, channel_width, extent, mean_squares, outline, top
+from rom.rod.scene.scene_of_rod import of_tables, read_scene, rescaled, similarity
+from rom.rod.scene.section_of_rod import rescaled_section
 
 GEOMETRY = {"segments": [0.06], "plate": 0.002, "channel": 0.003}  # [m]
 MATERIAL = {"law": "yeoh", "C1": 1e5, "C2": 2e4, "D1": 4e-7}

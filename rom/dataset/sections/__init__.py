@@ -1,0 +1,1 @@
+"""Cross-sections of a finger: outlines, nodes, poses."""

@@ -1,0 +1,1 @@
+"""Tendons that rub in their guides."""

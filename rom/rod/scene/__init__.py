@@ -1,0 +1,1 @@
+"""The scene of a rod: read, and compared with that of its elements."""

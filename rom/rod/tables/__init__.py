@@ -1,0 +1,1 @@
+"""A rod in tables for people."""
