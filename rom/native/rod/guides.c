@@ -18,13 +18,11 @@
 #include "guides.h"
 #include <math.h>
 #include "../linear_algebra/small.h"
-#include "shortenings.h"
 
-enum { POSE = FINGERFEM_POSE, T = TENSIONS_MOST };
+enum { T = TENSIONS_MOST };
 
 #define STILL 1e-12    /* change of a wound shortening that is none [m] */
 #define SOFTER 3.0     /* a slip changes a trial tension by its stiffness over this: with less, moves alternate in wide increments [-] */
-#define STRAIGHT 1e-18 /* sin^2 of half an angle below which its derivative is not defined, and 0 is taken [-] */
 
 static int elements_of(const fingerfem_chain *chain)
 {
@@ -50,14 +48,6 @@ static int passes(const fingerfem_chain *chain, int segment, int j)
         if (chain->own[chain->tensions * segment + i] == j) return 1;
     return 0;
 }
-
-static double *tensions_at(const guides_state *state, int k)
-{
-    const fingerfem_chain *chain = state->chain;
-    return k < state->count ? chain->guides->tensions + chain->tensions * state->elements[k].number : state->motors;
-}
-
-static double held(const guides_state *state, int j, double tension) { return tensions_clamped(state->chain->segments[0], j, tension); }
 
 /* What a guide between element k and the next one, or the motor, does to tendon j: exp(mu theta), and c. */
 static void guide_of(const guides_state *state, int k, int j, double *grows, double *drag)
@@ -90,19 +80,19 @@ void guides_begin(const fingerfem_chain *chain, const guides_goal *goal, double 
             own->element = e;
             own->number = first + e;
             own->bend = chain->guides->bends[own->number];
-            memcpy(own->last, tensions_at(found, k), (size_t)t * sizeof(double));
+            memcpy(own->last, guides_tensions(found, k), (size_t)t * sizeof(double));
         }
     }
     /* motors: the tension that is wanted, or for a shortening, where it was */
     memcpy(found->before, motors, (size_t)t * sizeof *motors);
     for (int j = 0; j < t; j++)
-        if (!goal->wound[j]) motors[j] = held(found, j, goal->wanted[j]);
+        if (!goal->wound[j]) motors[j] = guides_held(found, j, goal->wanted[j]);
 }
 
 void guides_predict(guides_state *state)
 {
     for (int k = state->count - 1; k >= 0; k--) {
-        double *own = tensions_at(state, k), *next = tensions_at(state, k + 1);
+        double *own = guides_tensions(state, k), *next = guides_tensions(state, k + 1);
         for (int j = 0; j < state->chain->tensions; j++) {
             double grows, drag;
             if (!passes(state->chain, state->elements[k].segment, j)) {
@@ -111,7 +101,7 @@ void guides_predict(guides_state *state)
             }
             guide_of(state, k, j, &grows, &drag);
             /* (T' - c) / exp(mu theta) <= T <= T' exp(mu theta) + c */
-            own[j] = held(state, j, fmin(fmax(own[j], (next[j] - drag) / grows), next[j] * grows + drag));
+            own[j] = guides_held(state, j, fmin(fmax(own[j], (next[j] - drag) / grows), next[j] * grows + drag));
         }
     }
 }
@@ -123,80 +113,11 @@ void guides_by_own(const guides_state *state)
         for (int i = 0; i < t * t; i++) state->chain->guides->rates[t * t * k + i] = i % (t + 1) == 0;
 }
 
-/* The angle by which a pose with the Gibbs vector g is bent: sin^2(angle / 2) = (g_y^2 + g_z^2) / (1 + g.g). It is the turn of all
- * tendons along the element; twist does not turn them. */
-static void bend_of(const double *pose, int count, const int32_t *own, const double *by_tensions, guides_element *found)
-{
-    const double *g = pose + 3, size = 1.0 + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-    const double square = (g[1] * g[1] + g[2] * g[2]) / size;
-    found->bend = 2.0 * asin(sqrt(fmin(square, 1.0)));
-    for (int i = 0; i < count; i++) {
-        const double *dg = by_tensions + POSE * i + 3;
-        const double along = g[0] * dg[0] + g[1] * dg[1] + g[2] * dg[2], across = g[1] * dg[1] + g[2] * dg[2];
-        found->bend_by[own[i]] = square > STRAIGHT ? 2.0 * (across - square * along) / size / sqrt(square * (1.0 - square)) : 0.0;
-    }
-}
-
-/* Shortenings of six tendons of an element and their derivatives by its tensions, (count, 8), to the chain's tendons. */
-static void leave_six(int count, const int32_t *own, int first, const double *values, const double *by_tensions, guides_element *found)
-{
-    for (int i = 0; i < SHORTENINGS_SIX && first + i < count; i++) {
-        found->shortening[own[first + i]] = values[i];
-        for (int j = 0; j < count; j++) found->by_tensions[own[first + i]][own[j]] = by_tensions[POSE * j + i];
-    }
-}
-
-void guides_without_wrench(guides_state *state)
-{
-    const fingerfem_chain *chain = state->chain;
-    for (int k = 0; k < state->count; k++) {
-        guides_element *element = state->elements + k;
-        const fingerfem_segment *segment = chain->segments[element->segment];
-        const int32_t *own = chain->own + chain->tensions * element->segment;
-        const int t = segment->tensions, law = segment->law_of[element->element];
-        const double *tensions = tensions_at(state, k);
-        double inside[T], values[(1 + T) * POSE];
-        for (int i = 0; i < t; i++) inside[i] = held(state, own[i], tensions[own[i]]);
-        tensions_monomials(segment, inside, state->monomials);
-        /* pose, then the shortenings of every six tendons */
-        element_free(segment, segment->law[law], state->monomials, values);
-        bend_of(values, t, own, values + POSE, element);
-        for (int six = 0; six < segment->sixes; six++) {
-            element_free(segment, segment->shortening[segment->sixes * law + six], state->monomials, values);
-            leave_six(t, own, SHORTENINGS_SIX * six, values, values + POSE, element);
-        }
-    }
-}
-
-void guides_under(const chain_rods *map, guides_state *state)
-{
-    const fingerfem_chain *chain = state->chain;
-    for (int k = 0; k < state->count; k++) {
-        guides_element *element = state->elements + k;
-        const int e = element->element;
-        const rod_state *rod = map->rods + element->segment;
-        const fingerfem_segment *segment = rod->segment;
-        const int32_t *own = chain->own + chain->tensions * element->segment;
-        const int law = segment->law_of[e];
-        double values[(1 + W) * POSE], by[T * POSE], *products = rod->products + e * rod->products_stride;
-        /* pose under its wrench, then the shortenings of every six tendons, with the same products */
-        element_by_tensions(segment, segment->law[law], rod_contracted(rod, e), products, by);
-        bend_of(rod->elements[e].pose, segment->tensions, own, by, element);
-        for (int six = 0; six < segment->sixes; six++) {
-            const fingerfem_law *shortening = segment->shortening[segment->sixes * law + six];
-            element_contract(segment, shortening, rod_monomials(rod, e), rod->work);
-            element_pose(shortening, rod->work, rod->elements[e].wrench, products, values);
-            element_by_tensions(segment, shortening, rod->work, products, by);
-            leave_six(segment->tensions, own, SHORTENINGS_SIX * six, values, by, element);
-        }
-    }
-}
-
 /* The move of tendon j in the guide behind element k, from tensions there, bounds of their difference, and the slip in the increment;
  * `yielding` is how far the tendon's end there moves by a unit of its own tension [m/N]. */
 static guides_move move_of(const guides_state *state, int k, int j, double slip, double yielding, double grows, double drag)
 {
-    const double own = tensions_at(state, k)[j], next = tensions_at(state, k + 1)[j];
+    const double own = guides_tensions(state, k)[j], next = guides_tensions(state, k + 1)[j];
     if (state->goal.wound[j] && k + 1 == state->count) {
         /* a motor that winds a shortening pulls the tendon, or lets it out, so far */
         const double way = state->goal.wanted[j] - state->chain->guides->slips[state->chain->tensions * state->elements[k].number + j];
@@ -219,7 +140,7 @@ static void equation(const guides_state *state, int k, int j, const affine *slip
 {
     const fingerfem_chain *chain = state->chain;
     guides_element *element = state->elements + k;
-    const double own = tensions_at(state, k)[j], next = tensions_at(state, k + 1)[j];
+    const double own = guides_tensions(state, k)[j], next = guides_tensions(state, k + 1)[j];
     const double before = chain->guides->slips[chain->tensions * element->number + j];
     double grows, drag;
     guide_of(state, k, j, &grows, &drag);
@@ -271,7 +192,7 @@ static int eliminate(guides_state *state, affine *slips)
             else { /* a tendon that ends before: its tension follows */
                 row[j] = 1.0;
                 b[j] = -1.0;
-                rest = tensions_at(state, k + 1)[j] - tensions_at(state, k)[j];
+                rest = guides_tensions(state, k + 1)[j] - guides_tensions(state, k)[j];
             }
             for (int i = 0; i < t; i++) a[t * j + i] = row[i], right[(1 + t) * j + 1 + i] = -b[i];
             right[(1 + t) * j] = rest;
@@ -319,7 +240,7 @@ double guides_step(guides_state *state)
     /* back to the tip, within the box */
     state->beyond = 0;
     for (int k = state->count; k >= 0; k--) {
-        double *tensions = tensions_at(state, k), next[T];
+        double *tensions = guides_tensions(state, k), next[T];
         memcpy(next, change, sizeof next);
         for (int i = 0; i < t && k < state->count; i++) {
             const guides_element *element = state->elements + k;
@@ -327,7 +248,7 @@ double guides_step(guides_state *state)
             for (int j = 0; j < t; j++) change[i] += element->gain[i][j] * next[j];
         }
         for (int i = 0; i < t; i++) {
-            const double wanted = tensions[i] + change[i], found = held(state, i, wanted);
+            const double wanted = tensions[i] + change[i], found = guides_held(state, i, wanted);
             state->beyond |= wanted > found + 1e-9 * (all->upper[i] - all->lower[i]);
             change[i] = found - tensions[i];
             tensions[i] = found;
@@ -353,7 +274,7 @@ void guides_end(guides_state *state, double *work)
             if (!passes(chain, element->segment, j)) continue;
             const double slip = element->moves[j] == GUIDES_STICKS ? 0.0 : element->slips[j] - slips[j];
             const double before = (last ? state->before[j] : behind->last[j]) - element->last[j];
-            const double now = tensions_at(state, k + 1)[j] - tensions_at(state, k)[j];
+            const double now = guides_tensions(state, k + 1)[j] - guides_tensions(state, k)[j];
             /* friction took (T' - T) ds: of the mean force where it had this direction before, too */
             work[1] += (before * now > 0.0 ? 0.5 * (before + now) : now) * slip;
             if (last) work[0] += 0.5 * (state->before[j] + state->motors[j]) * slip;

@@ -31,6 +31,18 @@ typedef struct {
     guides_goal goal;
 } guides_state;
 
+/* Tensions of an element, or behind the last one those at the motors; and a tension within its box. */
+static inline double *guides_tensions(const guides_state *state, int k)
+{
+    const fingerfem_chain *chain = state->chain;
+    return k < state->count ? chain->guides->tensions + chain->tensions * state->elements[k].number : state->motors;
+}
+
+static inline double guides_held(const guides_state *state, int j, double tension)
+{
+    return tensions_clamped(state->chain->segments[0], j, tension);
+}
+
 /* Numbers of memory for the elements of a chain. */
 int guides_memory(const fingerfem_chain *chain);
 
