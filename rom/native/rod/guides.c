@@ -268,7 +268,7 @@ void guides_end(guides_state *state, double *work)
     for (int j = 0; j < t; j++) next[j][j] = 1.0;
     for (int k = state->count - 1; k >= 0; k--) {
         guides_element *element = state->elements + k, *behind = element + 1;
-        double *slips = chain->guides->slips + t * element->number, rates[T][T];
+        double *slips = chain->guides->slips + t * element->number, rates[T][T] = {{0.0}};
         const int last = k + 1 == state->count;
         for (int j = 0; j < t; j++) {
             if (!passes(chain, element->segment, j)) continue;
@@ -282,10 +282,8 @@ void guides_end(guides_state *state, double *work)
         }
         /* dT/dF = gain dT'/dF */
         for (int i = 0; i < t; i++)
-            for (int j = 0; j < t; j++) {
-                rates[i][j] = 0.0;
+            for (int j = 0; j < t; j++)
                 for (int l = 0; l < t; l++) rates[i][j] += element->gain[i][l] * next[l][j];
-            }
         chain->guides->bends[element->number] = element->bend;
         memcpy(next, rates, sizeof next);
         for (int i = 0; i < t; i++) memcpy(chain->guides->rates + t * (t * element->number + i), rates[i], (size_t)t * sizeof(double));
