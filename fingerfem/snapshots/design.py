@@ -64,6 +64,7 @@ FIRST_LINES, MOST_LINES = 16, 512  # of a sequence that grows
 # Lines per tension where a scene with a load says nothing of them; seed; tensions whose corners come first.
 LINES, SEED, CORNERED = 40, 0, 2
 NO_GRID = 2, 8  # nodes that a set without a grid names: few, as products of them are formed
+OFF_AXIS = 1e-4  # of a section's centroid over its extent [-]
 FIRST = 0.02  # contact node next to touch: forces there are far above the solver's tolerance [-]
 
 
@@ -124,6 +125,14 @@ def _check_kind(scene: Scene) -> None:
         bodies = scene.obstacle.bodies
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
         raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
+    if scene.load is not None and not scene.chambers:
+        centre = section_mesh(scene.outline, scene.mesh.cells[1]).centroid
+        most = OFF_AXIS * scene.geometry.side
+        if np.abs(centre).max() > most:
+            raise SceneError(
+                f"{scene.geometry.shape.meshed_by} must give a centroid within {most:.2g} m of the axis, about which "
+                f"elements have mass, got y = {centre[0]:.3g}, z = {centre[1]:.3g} m"
+            )
 
 
 def _scattered(box: np.ndarray, lines: int) -> list[list[float]]:

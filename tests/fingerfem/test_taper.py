@@ -13,8 +13,8 @@ from scipy.integrate import dblquad
 from fingerfem import FingerModel
 from fingerfem.discretisation.node_order import NodeOrder
 from fingerfem.scene.scene import Scene
+from fingerfem.snapshots.design import cross_sections
 from rom import Cylinder, Rod, TouchedSegment
-from rom.dataset.sections.cross_sections import CrossSections
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.fitting.training import train
 
@@ -122,7 +122,7 @@ def test_a_slender_tapered_bar_stretches_as_its_closed_form(table):
     finger = FingerModel(Scene.model_validate(table | {"load": {"force": 1.0}}))
     state = finger.solve([0.0], wrenches=np.array([[pull, 0, 0, 0, 0, 0]]), sensitivities=False)
     order = NodeOrder(finger.problem)
-    sections = CrossSections(order.nodes, 1, False)
+    sections = cross_sections(finger.scene, order.nodes)
     moved = sections.quantities(order.gather(state.displacement), np.zeros((0, len(order.nodes), 3)))["section_place"]
     first, last = np.searchsorted(sections.positions, [0.05, 0.15])
     begin, end = sections.positions[[first, last]]

@@ -89,7 +89,7 @@ def test_held_out_states_are_answered_that_no_element_has_seen(trained):
 def test_mirrors_are_those_of_mesh_and_tendons_and_the_file_has_the_section(trained):
     name, folder, finger = trained
     states = read_section_states(SnapshotSet(folder / "set"))
-    assert len(states.mirrors) == MIRRORS[name] and len(mirrors(states.scene["tendons"])) == 3
+    assert len(states.mirrors) == MIRRORS[name] and len(mirrors(states.scene)) == 3
     finger.save(folder / "finger.h5")
     other = Rod.load(folder / "finger.h5")
     assert other.elements.section.area == pytest.approx(finger.elements.section.area)
@@ -114,7 +114,7 @@ def test_a_section_off_its_axis_is_refused(tmp_path):
     names = {column.tag: f"channel {column.name}" for column in scene.outline.columns}
     whole = table("file", tmp_path) | {"section": {"file": str(write_mesh(tmp_path / "off.msh", mesh, names))}}
     with pytest.raises(
-        SceneError, match=r"section.file must give a centroid within 2e-06 m of the axis .* got y = 0.0005"
+        SceneError, match=r"section.file must give a centroid within 2e-06 m of the axis, .* got y = 0.0005"
     ):
         describe(Scene.model_validate(whole), {})
 

@@ -19,9 +19,8 @@ from fingerfem.discretisation.volume_energies import Term, constants, residual_o
 from fingerfem.mechanics import strain_energy, tendons
 from fingerfem.scene.laws import plate_law
 from fingerfem.scene.scene import Scene
-from fingerfem.snapshots.design import body
+from fingerfem.snapshots.design import body, cross_sections
 from fingerfem.snapshots.recorder import Recorder
-from rom.dataset.sections.cross_sections import CrossSections
 
 ONE = {"order 1": ([9, 5], 1), "order 2": ([6, 5], 2)}
 WRENCHES = np.array([[-0.6, -1.5, 0.8, 2e-3, -3e-3, 4e-3], [0.4, 0.3, -0.5, -1e-3, 2e-3, 1e-3]])  # [N, N m]
@@ -172,7 +171,7 @@ def test_the_sections_stored_are_those_of_the_displacement_stored(cells, order):
     of = scene("pressed.toml", cells, order, sampling={"store": ["displacement"]})
     pressed = solved(of, [40.0, 25.0])
     nodes, field = NodeOrder(pressed.finger.problem).nodes, pressed.stored["displacement"]
-    found = CrossSections(nodes, order, False).quantities(field, np.zeros((1, *nodes.shape)))
+    found = cross_sections(of, nodes).quantities(field, np.zeros((1, *nodes.shape)))
     for name in SECTIONS[:3]:
         assert np.array_equal(found[name], pressed.stored[name]), name
     places = nodes + field
