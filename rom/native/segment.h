@@ -322,9 +322,10 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
                              double *corners);
 
 /* Mass of plates and sections, in the order of `fingerfem_chain_loads`: masses, (bodies) [kg], first moments, (bodies, 3) [kg m], and
- * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. */
+ * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. Besides, of the element between each and the
+ * next one towards the clamp, by motions of both in the frame between them: (bodies, 12, 12), symmetric. */
 typedef struct {
-    const double *masses, *moments, *inertias;
+    const double *masses, *moments, *inertias, *between;
 } fingerfem_inertia;
 
 /* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity and acceleration of the centre in
@@ -334,10 +335,10 @@ enum { FINGERFEM_MOVING = 30 };
 /* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), at the step's end: `moving` is where it begins
  * and what it ends with, as are the loads on all bodies, contacts' and inertia's. `radius` is the spectral radius of
  * the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them. Takes the force of every object, (count) [N], along its
- * direction, and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
+ * direction, the kinetic energy [J], and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
  * `moving` and loads stay; `inside` is as that of `fingerfem_touch`. */
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
-                   double *memory, double *moving, double *loads, double *forces, int32_t *inside, fingerfem_pressing *pressing);
+                   double *memory, double *moving, double *loads, double *forces, double *energy, int32_t *inside, fingerfem_pressing *pressing);
 
 /* The bodies at rest at tensions and loads, as `moving` of a first step; returns 0 if there are more than there is room for. */
 int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving);

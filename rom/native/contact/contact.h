@@ -49,6 +49,7 @@ typedef struct {
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
     double pressed[CHAIN_WRENCH]; /* of the wrenches what contacts must bear: all but inertia's */
     chain_matrix following, soft, yielding;
+    chain_matrix mass; /* in a step of time */
 } contact_state;
 
 /* A step of time from where bodies were, see inertia.c: its length [s], and the numbers of the generalised-alpha method [-]. */

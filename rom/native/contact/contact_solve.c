@@ -58,7 +58,8 @@ static double step(const contact_problem *problem, double most, contact_state *s
     double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
     /* what contacts must bear, w - I, with the inertial wrenches I */
     memcpy(state->pressed, state->wrench, (size_t)w * sizeof *state->wrench);
-    if (problem->step) inertia_wrenches(problem, &state->at.chain, target);
+    if (problem->step) inertia_mass(problem, &state->at.chain, state->mass);
+    if (problem->step) inertia_wrenches(problem, &state->at.chain, state->mass, target);
     for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= target[i];
     /* G and S by the last forces; then the forces of the linear complementarity problem */
     if (!response_find(problem, state)) return -1.0;

@@ -9,6 +9,9 @@
  *     a = (D - v_0 - (1/2 - beta) h a_0) / (beta h),             v = v_0 + h ((1 - gamma) a_0 + gamma a),
  *     v' = ((1 - mean_mass) a + mean_mass a_0 - mean_force v'_0) / (1 - mean_force).
  *
+ * With the mass of elements between their sections accelerations of bodies next to each other come in too: F, M above are -M V' and
+ * the terms of om, with the mass matrix M of all bodies, see rom/rod/motion/mass.py.
+ *
  * The method remembers a, and would push a body that an object leaves. So the wrench r of contact is no part of a and v', but
  * acts in each step alone (as in Kane, Repetto, Ortiz and Marsden, Comput. Methods Appl. Mech. Eng. 180, 1999):
  *
@@ -69,23 +72,6 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
     }
 }
 
-int inertia_accelerate(const fingerfem_inertia *inertia, int load, double *wrench)
-{
-    const double m = inertia->masses[load], *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load;
-    double mass[W * W] = {0.0};
-    /* M = (m, -s x; s x, J) */
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        mass[W * i + i] = m;
-        mass[W * i + 3 + j] = s[k];
-        mass[W * i + 3 + k] = -s[j];
-        mass[W * (3 + i) + j] = -s[k];
-        mass[W * (3 + i) + k] = s[j];
-        for (int l = 0; l < 3; l++) mass[W * (3 + i) + 3 + l] = J[3 * i + l];
-    }
-    return small_solve(W, mass, 1, wrench);
-}
-
 void inertia_leave_contact(const contact_step *step, const double *change, double *moving)
 {
     const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
@@ -116,71 +102,145 @@ static const double *begun_of(const contact_problem *problem, int body)
     return problem->step->begun + FINGERFEM_MOVING * chain_load_of(problem->map, body);
 }
 
-/* The inertial wrench of a body that moves so, (6), with an angular velocity `spin`. */
-static void wrench_of(const fingerfem_inertia *inertia, int load, const double *moving, const double *spin, double *found)
+/* The rotation matrix of a rotation vector, (3) [rad]: 1 + sin(phi) / phi [v]x + (1 - cos(phi)) / phi^2 [v]x^2. */
+static void rotation_of(const double *v, double *found)
 {
-    const double *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load, *R = moving + TURN;
-    const double *change = moving + CHANGE + 3;
-    double A[3], turned[3], inner[3], outer[3], spun[3], by_spun[3], by_moment[3];
+    const double angle = sqrt(objects_dot(v, v));
+    const double one = angle > LITTLE ? sin(angle) / angle : 1.0, two = angle > LITTLE ? (1.0 - cos(angle)) / (angle * angle) : 0.5;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) found[3 * i + j] = two * v[i] * v[j] + (i == j ? 1.0 - two * angle * angle : 0.0);
     for (int i = 0; i < 3; i++) {
-        /* R^T p''; J om */
-        A[i] = R[i] * moving[CHANGE] + R[3 + i] * moving[CHANGE + 1] + R[6 + i] * moving[CHANGE + 2];
-        spun[i] = objects_dot(J + 3 * i, spin);
-    }
-    objects_cross(change, s, turned);
-    objects_cross(spin, s, inner);
-    objects_cross(spin, inner, outer);
-    objects_cross(spin, spun, by_spun);
-    objects_cross(s, A, by_moment);
-    for (int i = 0; i < 3; i++) {
-        found[i] = -(inertia->masses[load] * A[i] + turned[i] + outer[i]);
-        found[3 + i] = -(objects_dot(J + 3 * i, change) + by_spun[i] + by_moment[i]);
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        found[3 * i + j] -= one * v[k];
+        found[3 * j + i] += one * v[k];
     }
 }
 
-/* The inertial wrench of a body, (6). That of its turn takes om = 2 D - om_0, which has what contact does, as v above has not. */
-static void wrench_on(const contact_problem *problem, const chain_state *state, int b, double *found)
+/* Add Q^T K P of a block K of an element's mass, one of (12, 12), to the block of bodies a, b: Q and P turn their frames into that
+ * between both. */
+static void add_block(const double *K, int first, int second, const double *Q, const double *P, int a, int b, chain_matrix mass)
 {
-    const double *begun = begun_of(problem, b);
-    double moving[FINGERFEM_MOVING], spin[3];
-    turn_between(begun + TURN, state->bodies[b].rotation, spin);
-    for (int i = 0; i < 3; i++) spin[i] = 2.0 * spin[i] / problem->step->length - begun[VELOCITY + 3 + i];
-    inertia_moving(problem->step, begun, state->bodies + b, moving);
-    wrench_of(problem->step->inertia, chain_load_of(problem->map, b), moving, spin, found);
+    for (int r = 0; r < W; r += 3)
+        for (int c = 0; c < W; c += 3) {
+            double half[9];
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 3; j++) {
+                    half[3 * i + j] = 0.0;
+                    for (int l = 0; l < 3; l++) half[3 * i + j] += K[2 * W * (first + r + i) + second + c + l] * P[3 * l + j];
+                }
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 3; j++)
+                    for (int l = 0; l < 3; l++) mass[W * a + r + i][W * b + c + j] += Q[3 * l + i] * half[3 * l + j];
+        }
 }
 
-void inertia_wrenches(const contact_problem *problem, const chain_state *state, double *found)
+void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass)
 {
+    static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    const fingerfem_inertia *inertia = problem->step->inertia;
+    const int size = contact_size(problem);
+    for (int i = 0; i < size; i++) memset(mass[i], 0, (size_t)size * sizeof **mass);
     for (int b = 0; b < problem->map->count; b++) {
-        memset(found + W * b, 0, W * sizeof *found);
-        if (problem->map->bodies[b].segment != CHAIN_GROUND) wrench_on(problem, state, b, found + W * b);
+        double (*rows)[CHAIN_WRENCH] = mass + W * b;
+        /* the ground does not move */
+        for (int i = 0; i < W && problem->map->bodies[b].segment == CHAIN_GROUND; i++) rows[i][W * b + i] = 1.0;
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        /* lumps: (m, -s x; s x, J) */
+        const int load = chain_load_of(problem->map, b), before = b && problem->map->bodies[b - 1].segment != CHAIN_GROUND;
+        const double *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load, *K = inertia->between + 4 * W * W * load;
+        for (int i = 0; i < 3; i++) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            rows[i][W * b + i] += inertia->masses[load];
+            rows[i][W * b + 3 + j] += s[k];
+            rows[i][W * b + 3 + k] -= s[j];
+            rows[3 + i][W * b + j] -= s[k];
+            rows[3 + i][W * b + k] += s[j];
+            for (int l = 0; l < 3; l++) rows[3 + i][W * b + 3 + l] += J[3 * i + l];
+        }
+        /* the element towards the clamp, in the frame between both its sections */
+        double turn[3], to_middle[9], from_middle[9];
+        turn_between(b ? state->bodies[b - 1].rotation : upright, state->bodies[b].rotation, turn);
+        for (int i = 0; i < 3; i++) turn[i] *= 0.5;
+        rotation_of(turn, to_middle);
+        for (int i = 0; i < 9; i++) from_middle[i] = to_middle[3 * (i % 3) + i / 3];
+        add_block(K, 0, 0, to_middle, to_middle, b, b, mass);
+        if (!before) continue;
+        add_block(K, 0, W, to_middle, from_middle, b, b - 1, mass);
+        add_block(K, W, 0, from_middle, to_middle, b - 1, b, mass);
+        add_block(K, W, W, from_middle, from_middle, b - 1, b - 1, mass);
     }
 }
 
-void inertia_follow(const contact_problem *problem, const chain_state *state, chain_matrix following)
+/* Numbers of all bodies in their frames, (6 bodies), from those of `moving` behind `first`, of which the first three are in space. */
+static void seen(const double *moving, int first, int b, double *found)
 {
-    const contact_step *step = problem->step;
-    const double stiff = (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta * step->length * step->length);
+    const double *R = moving + TURN, *v = moving + first;
+    for (int i = 0; i < 3; i++) {
+        found[W * b + i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
+        found[W * b + 3 + i] = v[3 + i];
+    }
+}
+
+double inertia_energy(const contact_problem *problem, const double *moving, const chain_matrix mass)
+{
+    const int size = contact_size(problem);
+    double v[CHAIN_WRENCH] = {0.0}, found = 0.0;
+    for (int b = 0; b < problem->map->count; b++)
+        if (problem->map->bodies[b].segment != CHAIN_GROUND)
+            seen(moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), VELOCITY, b, v);
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) found += 0.5 * v[i] * mass[i][j] * v[j];
+    return found;
+}
+
+void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found)
+{
+    const fingerfem_inertia *inertia = problem->step->inertia;
+    const int size = contact_size(problem);
+    double accelerations[CHAIN_WRENCH] = {0.0};
+    memset(found, 0, (size_t)size * sizeof *found);
     for (int b = 0; b < problem->map->count; b++) {
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         const int load = chain_load_of(problem->map, b);
-        const double m = step->inertia->masses[load], *s = step->inertia->moments + 3 * load, *J = step->inertia->inertias + 9 * load;
-        double wrench[W];
-        wrench_on(problem, state, b, wrench);
-        /* dF = -stiff (m xi - s x theta), dM = -stiff (J theta + s x xi), as accelerations grow by stiff (xi, theta); terms of the
-         * velocities, smaller by the turn in a step, and of A, by that of the whole way, are left out */
+        const double *begun = begun_of(problem, b), *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load;
+        double moving[FINGERFEM_MOVING], spin[3], spun[3], inner[3], outer[3], by_spun[3];
+        inertia_moving(problem->step, begun, state->bodies + b, moving);
+        seen(moving, CHANGE, b, accelerations);
+        /* om x (om x s) and om x J om, with om = 2 D - om_0, which has what contact does, as v above has not */
+        turn_between(begun + TURN, state->bodies[b].rotation, spin);
+        for (int i = 0; i < 3; i++) spin[i] = 2.0 * spin[i] / problem->step->length - begun[VELOCITY + 3 + i];
+        for (int i = 0; i < 3; i++) spun[i] = objects_dot(J + 3 * i, spin);
+        objects_cross(spin, s, inner);
+        objects_cross(spin, inner, outer);
+        objects_cross(spin, spun, by_spun);
+        for (int i = 0; i < 3; i++) {
+            found[W * b + i] -= outer[i];
+            found[W * b + 3 + i] -= by_spun[i];
+        }
+    }
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) found[i] -= mass[i][j] * accelerations[j];
+}
+
+void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following)
+{
+    const contact_step *step = problem->step;
+    const double stiff = (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta * step->length * step->length);
+    const int size = contact_size(problem);
+    double wrench[CHAIN_WRENCH];
+    inertia_wrenches(problem, state, mass, wrench);
+    for (int b = 0; b < problem->map->count; b++) {
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        double (*rows)[CHAIN_WRENCH] = following + W * b;
+        /* dw = -stiff M xi, as accelerations grow by stiff xi; terms of the velocities, smaller by the turn in a step, and of what
+         * turns the frames between bodies, are left out */
+        for (int i = 0; i < W; i++)
+            for (int j = 0; j < size; j++) rows[i][j] -= stiff * mass[W * b + i][j];
+        /* d(R^T p'') as the frame turns: F x theta */
         for (int i = 0; i < 3; i++) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
-            double (*rows)[CHAIN_WRENCH] = following + W * b;
-            rows[i][W * b + i] -= stiff * m;
-            rows[i][W * b + 3 + j] -= stiff * s[k];
-            rows[i][W * b + 3 + k] += stiff * s[j];
-            rows[3 + i][W * b + j] += stiff * s[k];
-            rows[3 + i][W * b + k] -= stiff * s[j];
-            for (int l = 0; l < 3; l++) rows[3 + i][W * b + 3 + l] -= stiff * J[3 * i + l];
-            /* d(R^T p'') as the frame turns: -m A x theta */
-            rows[i][W * b + 3 + j] -= wrench[k];
-            rows[i][W * b + 3 + k] += wrench[j];
+            rows[i][W * b + 3 + j] -= wrench[W * b + k];
+            rows[i][W * b + 3 + k] += wrench[W * b + j];
         }
     }
 }

@@ -29,52 +29,57 @@ static void forces_along(const contact_problem *problem, const contact_state *st
     }
 }
 
-/* W_k / M of contact k on its body a, (6), in the body's frame; zero on the ground. */
-static void accelerated(const contact_problem *problem, const contact_state *state, int k, int a, double *found)
+/* The contacts that press, `rows`, their number; and changes of the acceleration of all bodies, (size, 1 + number): r / M with
+ * the wrenches r of contact, then W_k / M of each. Returns -1 if the mass matrix is singular. */
+static int accelerated(const contact_problem *problem, const contact_state *state, int *rows, double *found)
 {
-    const contact_arms *arms = state->at.arms + k;
-    const int body = arms->bodies[a];
-    memset(found, 0, W * sizeof *found);
-    if (problem->map->bodies[body].segment == CHAIN_GROUND) return;
-    memcpy(found, arms->wrenches[a], W * sizeof *found);
-    inertia_accelerate(problem->step->inertia, chain_load_of(problem->map, body), found);
+    const int size = contact_size(problem);
+    double system[CHAIN_WRENCH * CHAIN_WRENCH];
+    int count = 0;
+    for (int k = 0; k < state->at.contacts.count; k++)
+        if (state->forces[k] > 0.0) rows[count++] = k;
+    /* right-hand sides r, W_1, W_2, ... */
+    memset(found, 0, (size_t)(size * (1 + count)) * sizeof *found);
+    for (int k = 0; k < count; k++) {
+        const contact_arms *arms = state->at.arms + rows[k];
+        for (int a = 0; a < arms->count; a++)
+            for (int i = 0; i < W && problem->map->bodies[arms->bodies[a]].segment != CHAIN_GROUND; i++) {
+                double *row = found + (1 + count) * (W * arms->bodies[a] + i);
+                row[0] += state->forces[rows[k]] * arms->wrenches[a][i];
+                row[1 + k] += arms->wrenches[a][i];
+            }
+    }
+    for (int i = 0; i < size; i++) memcpy(system + size * i, state->mass[i], (size_t)size * sizeof *system);
+    return count && !small_solve(size, system, 1 + count, found) ? -1 : count;
 }
 
 /* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, where several on one body share what one would do. */
-static void stop(const contact_problem *problem, const contact_state *state, double *moving)
+static void stop(const contact_problem *problem, const contact_state *state, int count, const int *rows, const double *changes, double *moving)
 {
     double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
-    int rows[FINGERFEM_MOST_CONTACTS], count = 0;
-    for (int k = 0; k < state->at.contacts.count; k++)
-        if (state->forces[k] > 0.0) rows[count++] = k;
+    const int columns = 1 + count;
     /* W^T W / M and W^T v */
     for (int i = 0; i < count; i++) {
         const contact_arms *own = state->at.arms + rows[i];
         velocity[i] = 0.0;
         for (int j = 0; j < count; j++) matrix[count * i + j] = 0.0;
         for (int a = 0; a < own->count; a++) {
-            double change[W];
-            if (problem->map->bodies[own->bodies[a]].segment == CHAIN_GROUND) continue;
-            accelerated(problem, state, rows[i], a, change);
-            velocity[i] += inertia_velocity_along(own->wrenches[a], moving + FINGERFEM_MOVING * chain_load_of(problem->map, own->bodies[a]));
-            for (int j = 0; j < count; j++) {
-                const contact_arms *other = state->at.arms + rows[j];
-                for (int b = 0; b < other->count; b++)
-                    for (int l = 0; l < W && other->bodies[b] == own->bodies[a]; l++) matrix[count * i + j] += change[l] * other->wrenches[b][l];
-            }
+            const int body = own->bodies[a];
+            if (problem->map->bodies[body].segment == CHAIN_GROUND) continue;
+            velocity[i] += inertia_velocity_along(own->wrenches[a], moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
+            for (int j = 0; j < count; j++)
+                for (int l = 0; l < W; l++) matrix[count * i + j] += own->wrenches[a][l] * changes[columns * (W * body + l) + 1 + j];
         }
         matrix[count * i + i] *= 1.0 + SHARED;
     }
-    if (!small_solve(count, matrix, 1, velocity)) return;
-    for (int i = 0; i < count; i++)
-        for (int a = 0; a < state->at.arms[rows[i]].count; a++) {
-            const int body = state->at.arms[rows[i]].bodies[a];
-            double change[W];
-            accelerated(problem, state, rows[i], a, change);
-            for (int l = 0; l < W; l++) change[l] *= -velocity[i];
-            if (problem->map->bodies[body].segment != CHAIN_GROUND)
-                inertia_add_velocity(change, moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
-        }
+    if (!count || !small_solve(count, matrix, 1, velocity)) return;
+    for (int b = 0; b < problem->map->count; b++) {
+        double change[W] = {0.0};
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        for (int l = 0; l < W; l++)
+            for (int k = 0; k < count; k++) change[l] -= velocity[k] * changes[columns * (W * b + l) + 1 + k];
+        inertia_add_velocity(change, moving + FINGERFEM_MOVING * chain_load_of(problem->map, b));
+    }
 }
 
 int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving)
@@ -99,7 +104,7 @@ int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, cons
 }
 
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
-                   double *memory, double *moving, double *loads, double *forces, int32_t *inside, fingerfem_pressing *pressing)
+                   double *memory, double *moving, double *loads, double *forces, double *energy, int32_t *inside, fingerfem_pressing *pressing)
 {
     const fingerfem_chain *chain = touching->chain;
     const int t = chain->tensions;
@@ -122,21 +127,23 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
-    /* wrenches of contact */
-    double contact[CHAIN_WRENCH] = {0.0};
-    for (int k = 0; k < state.at.contacts.count; k++)
-        if (state.forces[k] > 0.0) response_press(&state.at, k, state.forces[k], contact);
+    /* what contact gives */
+    int rows[FINGERFEM_MOST_CONTACTS];
+    double changes[CHAIN_WRENCH * (1 + FINGERFEM_MOST_CONTACTS)];
+    const int count = accelerated(&problem, &state, rows, changes);
+    if (count < 0) return -evaluations;
     /* where the step ends */
     for (int b = 0; b < map.count; b++) {
-        double *own = moving + FINGERFEM_MOVING * chain_load_of(&map, b), begun[FINGERFEM_MOVING];
+        double *own = moving + FINGERFEM_MOVING * chain_load_of(&map, b), begun[FINGERFEM_MOVING], change[W];
         if (map.bodies[b].segment == CHAIN_GROUND) continue;
         *inside &= state.at.chain.bodies[b].end.inside;
         memcpy(begun, own, sizeof begun);
         inertia_moving(&step, begun, state.at.chain.bodies + b, own);
-        if (!inertia_accelerate(inertia, chain_load_of(&map, b), contact + W * b)) return -evaluations;
-        inertia_leave_contact(&step, contact + W * b, own);
+        for (int i = 0; i < W; i++) change[i] = changes[(1 + count) * (W * b + i)];
+        inertia_leave_contact(&step, change, own);
     }
-    stop(&problem, &state, moving);
+    stop(&problem, &state, count, rows, changes, moving);
+    *energy = inertia_energy(&problem, moving, state.mass);
     chain_leave_loads(&map, state.wrench, loads);
     forces_along(&problem, &state, forces);
     *inside &= !placed_crowded(&state.at.contacts);

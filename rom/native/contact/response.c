@@ -91,7 +91,7 @@ INLINE int find(int size, contact_state *state)
 int response_find(const contact_problem *problem, contact_state *state)
 {
     follow(problem, state);
-    if (problem->step) inertia_follow(problem, &state->at.chain, state->following);
+    if (problem->step) inertia_follow(problem, &state->at.chain, state->mass, state->following);
     return contact_size(problem) == W ? find(W, state) : find(contact_size(problem), state); /* the loops of one plate are unrolled */
 }
 

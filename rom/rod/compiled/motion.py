@@ -21,6 +21,7 @@ class Stepped(NamedTuple):
         moving: of every body, shape (bodies, 30), see segment.h.
         loads: on all bodies, those of contacts and of inertia, shape (6 bodies,) [N, N m].
         forces: of every object against its direction, shape (m,) [N].
+        energy: kinetic [J].
         inside: whether tensions, loads and contacts lie where the elements were trained.
         evaluations: of the map, negative without an answer.
     """
@@ -28,13 +29,14 @@ class Stepped(NamedTuple):
     moving: np.ndarray
     loads: np.ndarray
     forces: np.ndarray
+    energy: float
     inside: bool
     evaluations: int
 
 
-def inertia_struct(masses: np.ndarray, moments: np.ndarray, inertias: np.ndarray) -> Any:
-    """A struct fingerfem_inertia, shapes (bodies,) [kg], (bodies, 3) [kg m], (bodies, 3, 3) [kg m^2]."""
-    return LIBRARY.struct("fingerfem_inertia", masses=masses, moments=moments, inertias=inertias)
+def inertia_struct(masses: np.ndarray, moments: np.ndarray, inertias: np.ndarray, between: np.ndarray) -> Any:
+    """A struct fingerfem_inertia, see `rom.rod.motion.lumps.Lumps`."""
+    return LIBRARY.struct("fingerfem_inertia", masses=masses, moments=moments, inertias=inertias, between=between)
 
 
 def at_rest(compiled: Any, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
@@ -56,7 +58,7 @@ def step(
     loads: np.ndarray,
 ) -> Stepped:
     """A step to tensions and every d, shape (t + m,), from where the bodies move so, under loads of the last step."""
-    found, pressed, forces = moving.copy(), loads.copy(), np.zeros(touching.count)
+    found, pressed, forces, energy = moving.copy(), loads.copy(), np.zeros(touching.count), np.zeros(1)
     inside = np.zeros(1, np.int32)
     evaluations = LIBRARY.functions.fingerfem_step(
         touching,
@@ -65,8 +67,8 @@ def step(
         length,
         radius,
         memory,
-        *map(pointer, (found, pressed, forces)),
+        *map(pointer, (found, pressed, forces, energy)),
         pointer(inside, "int32_t[]"),
         LIBRARY.ffi.NULL,
     )
-    return Stepped(found, pressed, forces, bool(inside[0]), evaluations)
+    return Stepped(found, pressed, forces, float(energy[0]), bool(inside[0]), evaluations)
