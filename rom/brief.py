@@ -19,14 +19,15 @@ def brief(of: type[T]) -> type[T]:
 
 
 def _line(self: Any) -> str:
-    """The name of its class, and its fields; of a model its scene's name and its parameters."""
+    """The name of its class, and its fields but those that are None; of a model its scene's name and its parameters."""
     scene = getattr(self, "scene", None)
     if isinstance(scene, Mapping):
         found = getattr(self, "parameters", None) or getattr(self, "tension_parameters", [])
         ranges = (f"{one.name} {one.lower:g} to {one.upper:g} {one.unit}" for one in found)
         return f"{type(self).__name__}({str(scene.get('name', ''))!r}: {', '.join(ranges)})"
     names = [one.name for one in fields(self) if one.repr] if is_dataclass(self) else self._fields
-    return f"{type(self).__name__}({', '.join(f'{name}={_value(getattr(self, name))}' for name in names)})"
+    shown = ((name, value) for name in names if (value := getattr(self, name)) is not None)
+    return f"{type(self).__name__}({', '.join(f'{name}={_value(value)}' for name, value in shown)})"
 
 
 def _value(value: Any) -> str:

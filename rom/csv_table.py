@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from rom.brief import brief
 from rom.file_kinds import uses_of
 
 LENGTHS = {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "um": 1e-6, "µm": 1e-6}
@@ -36,6 +37,7 @@ class Heading(NamedTuple):
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
+@brief
 @dataclass(frozen=True)
 class CsvTable:
     """The cells of a file.

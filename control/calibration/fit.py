@@ -70,6 +70,7 @@ class Fit:
     inside: np.ndarray
 
 
+@brief
 class Normal(NamedTuple):
     """The whitened problem at one point, with the tensions projected out."""
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rom.brief import brief
 from rom.checked_file import ModelError
 from rom.rod.guides.guided_finger import GuidedFinger, GuideState
 from rom.rod.touched_segment import TouchedSegment
@@ -18,6 +19,7 @@ INCREMENTS = 3  # between two poses
 STEP = 0.05  # half width of central differences by a tension of the trained finger [N]
 
 
+@brief
 class GuidedValues(NamedTuple):
     """What a finger with t tendons shows in n poses, rows as in `control.calibration.scaled_finger.Outputs`.
 

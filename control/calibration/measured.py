@@ -33,6 +33,7 @@ SMALL = 0.02  # of the largest value: relative noise is not smaller than that of
 BY_SCALE = {"modulus": MODULUS, "size": SIZE, "density": DENSITY, "friction": FRICTION}
 
 
+@brief
 class Residuals(NamedTuple):
     """Residuals of n poses and m columns, without a weight; 0 where nothing was measured.
 

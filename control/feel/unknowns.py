@@ -13,6 +13,7 @@ from control.least_squares import Rules, struct
 from control.native import CONTROL
 from control.outcomes import beyond
 from rom.brief import brief
+from rom.dataset.actuators import refuse_chambers
 from rom.native import pointer
 from rom.rod.rod import Rod
 
@@ -45,6 +46,7 @@ class Unknowns:
     def __post_init__(self) -> None:
         if not self.rod.struct.segments[0].sixes:
             raise ValueError("model must have laws of shortenings to feel a contact, got one without: train it again")
+        refuse_chambers(self.rod.scene, "what feels a contact")
 
     @cached_property
     def felt(self) -> Any:

@@ -162,7 +162,7 @@ class ElementLaw:
         lengths with the size, volumes with its cube.
         """
         loads = scales_of(self.tensions.shape[1], self.pressures, size, modulus)
-        inputs = np.concatenate([loads, wrench_scales(size, modulus), [size] * self.has_lengths])
+        inputs = np.concatenate([loads, wrench_scales(size, modulus), [size] * int(self.has_lengths)])
         values = np.concatenate(
             [np.repeat([size, 1.0], 3), modulus * size**3 / loads]
         )  # the work of a load is a stroke's

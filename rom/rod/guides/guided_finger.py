@@ -53,6 +53,7 @@ class GuideState(NamedTuple):
     dissipated: float
 
 
+@brief
 class Increment(NamedTuple):
     """The last increment: the arrays where it began, its point, and which motors wound."""
 
