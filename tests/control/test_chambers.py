@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from control import Finger, Gripper, Limits
-from control.environment import HoldEnvironment
 from control.export import fmu as control_fmu
 from control.export import page
 from control.motion import for_each
@@ -67,6 +66,9 @@ def test_what_is_refused_names_pressures(model):
 
 
 def test_a_number_for_all_loads_is_refused_where_some_are_pressures(model):
+    pytest.importorskip("gymnasium", reason="the optional extra [gymnasium]")
+    from control.environment import HoldEnvironment
+
     loads = model.rod.parameters
     assert for_each("rate", [500.0, 1e6, 1e6], loads).tolist() == [500.0, 1e6, 1e6]
     with pytest.raises(ValueError, match=r"change must be one for each of F1, p1, p2, got 2.0"):
