@@ -15,6 +15,7 @@ from rom.dataset.grid import SHARE, levels
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 
 OWN = (*NOT_OF_THE_FINGER, "mesh")  # keys of a scene that may differ
+FLAT = 1e-6  # area of a triangle over the largest one's, below which it holds no point [-]
 
 
 def check_finger(snapshots: SnapshotSet, scene: dict[str, Any], of: str) -> None:
@@ -70,9 +71,12 @@ def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray]
 def _on_triangles(nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Nodes whose triangles hold points, or are the nearest to them, and their weights, shapes (points, 3) [-]."""
     mesh = Delaunay(nodes)
-    found, middles = mesh.find_simplex(points), nodes[mesh.simplices].mean(axis=1)
-    outside = found < 0
-    found[outside] = cKDTree(middles).query(points[outside])[1]
+    corners = nodes[mesh.simplices]
+    areas = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1]))
+    whole = np.flatnonzero(areas > FLAT * areas.max())  # nodes in line by rounding have flat triangles between them
+    found = mesh.find_simplex(points)
+    other = ~np.isin(found, whole)  # or none at all
+    found[other] = whole[cKDTree(corners[whole].mean(axis=1)).query(points[other])[1]]
     to_weights, origin = mesh.transform[found, :2], mesh.transform[found, 2]
     two = np.einsum("nij,nj->ni", to_weights, points - origin)
     return mesh.simplices[found], np.column_stack([two, 1 - two.sum(axis=1)])
