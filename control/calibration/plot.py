@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from control.calibration.calibration import Calibration
 from rom.console.table import shown
+
+if TYPE_CHECKING:  # it is for training, and not where controllers alone are installed
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 WIDTH, HEIGHT, DOTS_PER_INCH = 4.2, 3.4, 110  # of a panel [inches]
 UNITS = {"position": "m", "shortening": "m", "orientation": "rad", "angle": "rad"}  # others are relative
@@ -22,6 +25,8 @@ def check_plot(file: Path) -> None:
     Raises:
         ValueError: its folder does not exist, or its ending names no format that matplotlib writes.
     """
+    from matplotlib.figure import Figure
+
     formats = Figure().canvas.get_supported_filetypes()
     if file.suffix.removeprefix(".") not in formats or not file.parent.is_dir():
         raise ValueError(
@@ -31,6 +36,8 @@ def check_plot(file: Path) -> None:
 
 def draw(result: Calibration) -> Figure:
     """Residuals of every quantity along the log, with twice their noise."""
+    from matplotlib.figure import Figure
+
     groups = result.measured.groups
     figure = Figure(figsize=(WIDTH * len(groups), HEIGHT), layout="constrained")
     for axes, group in zip(np.ravel(figure.subplots(1, len(groups))), groups, strict=True):
