@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from control.grasping.gripper import Grasp, Gripper
     from control.loop import run
     from control.motion import Limits, Motion
-    from control.moving_plant import MovingPlant
-    from control.plant import Flaws, Plant, SimulatedPlant
+    from control.plant import Flaws, MovingPlant, Plant, SimulatedPlant
 
 _HOMES = {
     "Calibration": "calibration.calibration",
@@ -29,7 +28,7 @@ _HOMES = {
     "Gripper": "grasping.gripper",
     "Limits": "motion",
     "Motion": "motion",
-    "MovingPlant": "moving_plant",
+    "MovingPlant": "plant",
     "Object": "grasping.grasp_forces",
     "Plant": "plant",
     "SimulatedPlant": "plant",

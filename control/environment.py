@@ -20,8 +20,7 @@ import gymnasium  # noqa: E402
 from control.finger import Finger  # noqa: E402
 from control.model import Model  # noqa: E402
 from control.motion import for_each  # noqa: E402
-from control.moving_plant import MovingPlant  # noqa: E402
-from control.plant import Flaws, SimulatedPlant  # noqa: E402
+from control.plant import Flaws, MovingPlant, SimulatedPlant  # noqa: E402
 from rom import load  # noqa: E402
 from rom.rod.touched_rod import TouchedRod  # noqa: E402
 

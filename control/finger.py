@@ -80,11 +80,10 @@ class Finger:
         """
         begin = (self.lower + self.upper) / 2 if start is None else self._start(start)
         goal = np.asarray(point, float)
-        reason = self._refused(goal, distance) or not_finite("start", begin, self._units)
-        if reason:
+        if reason := self._refused(goal, distance) or not_finite("start", begin, self._units):
             return self._out_of_domain(distance, reason)
-        goal = goal - self.rest
-        return self._reach(goal, distance, begin, tolerance, self._sides.wanted(goal, distance))
+        wanted = self._sides.wanted(goal - self.rest, distance)
+        return self._reach(goal - self.rest, distance, begin, tolerance, wanted)
 
     def follow(
         self,

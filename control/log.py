@@ -12,10 +12,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom.atomic_file import write_whole
 from rom.brief import brief
-from rom.csv_table import ANGLES, FORCES, LENGTHS, MOMENTS, PLAIN, TIMES, CsvTable, Heading, Refused, factor, heading
-from rom.csv_table import read_table as read_cells
+from rom.files.atomic_file import write_whole
+from rom.files.csv_table import (
+    ANGLES,
+    FORCES,
+    LENGTHS,
+    MOMENTS,
+    PLAIN,
+    TIMES,
+    CsvTable,
+    Heading,
+    Refused,
+    factor,
+    heading,
+)
+from rom.files.csv_table import read_table as read_cells
 
 # A tendon's column is named by the tendon; its unit says what was measured.
 TENDON = {"tension": FORCES, "shortening": LENGTHS, "torque": MOMENTS, "angle": ANGLES}

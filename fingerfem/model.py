@@ -10,11 +10,11 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike
 
 from fingerfem.discretisation.problem import Problem
-from fingerfem.equilibrium.channel_lengths import ChannelLengths
 from fingerfem.equilibrium.continuation import Continuation
-from fingerfem.equilibrium.section_volumes import SectionVolumes
 from fingerfem.equilibrium.self_intersection import Surface
 from fingerfem.equilibrium.state import State, observe
+from fingerfem.equilibrium.strokes.channel_lengths import ChannelLengths
+from fingerfem.equilibrium.strokes.section_volumes import SectionVolumes
 from fingerfem.scene.scene import Scene
 
 

@@ -76,7 +76,7 @@ def load(path: str | Path | None = None, tolerance: float = 0.0) -> TouchedSegme
         >>> load("round").rod.place([2.0, 0.0, 0.0, 0.0]).centres[-1]  # doctest: +SKIP
     """
     from rom.bundled import file_of
-    from rom.checked_file import kind_of
+    from rom.files.checked_file import kind_of
     from rom.rod import rod
     from rom.rod.touched_segment import TouchedSegment
     from rom.separated.model import SeparatedModel

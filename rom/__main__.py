@@ -14,12 +14,12 @@ from typing import Annotated
 import typer
 
 from rom import load
-from rom.checked_file import kind_of
 from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_folder, check_parts, run, show
 from rom.console.table import percent
 from rom.console.terminal import log_lines, say, steps
 from rom.dataset.snapshot_set import SnapshotSet
-from rom.file_kinds import uses_of
+from rom.files.checked_file import kind_of
+from rom.files.file_kinds import uses_of
 from rom.rod import rod
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment

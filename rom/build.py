@@ -16,7 +16,7 @@ from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.elements.fitting import training
 from rom.elements.fitting.calibration import conformal
 from rom.elements.samples.section_states import read_section_states
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 from rom.plane_check import Model, accuracy, before_plane, check, check_finer, differences
 from rom.rod.rod import QUANTITIES, Rod
 from rom.separated.alternating_directions import EnrichmentOptions

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.answer import TOUCH, Answer
-from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
+from rom.files.checked_file import ModelError
 from rom.parameter import Parameter
 
 

@@ -15,7 +15,7 @@ from rom.dataset.grid import SHARE
 from rom.dataset.sections.section import top
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.error_statistics import mean_size
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment

@@ -20,7 +20,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from rom.atomic_file import write_whole
+from rom.files.atomic_file import write_whole
 from studies.declared import STUDIES
 
 ROOT = Path(__file__).resolve().parents[1]

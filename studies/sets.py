@@ -10,8 +10,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from rom.atomic_file import write_whole
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.files.atomic_file import write_whole
 
 ROOT = Path(__file__).resolve().parents[1]
 STANDARD, REFERENCE = (10, 5, 2), (32, 7, 2)  # cells along and across, Lagrange order

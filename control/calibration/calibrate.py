@@ -11,15 +11,15 @@ from pathlib import Path
 from control.calibration.base import first_base
 from control.calibration.calibration import Calibration, calibrated
 from control.calibration.checks import check, check_order
+from control.calibration.diagnosis.outliers import within_domain, without_outliers
 from control.calibration.fit import fit
 from control.calibration.measured import GROUPS, RELATIVE, Measured
-from control.calibration.outliers import within_domain, without_outliers
 from control.calibration.parameters import NAMED, PLACE, TURN, Unknowns
 from control.calibration.scaled_finger import ScaledFinger
 from control.log import Log, read_log
 from rom.brief import brief
-from rom.csv_table import ANGLES, LENGTHS
 from rom.dataset.sections.section import extent
+from rom.files.csv_table import ANGLES, LENGTHS
 from rom.rod.rod import Rod
 from rom.rod.touched_segment import TouchedSegment
 from rom.rod.weight import gravity_of

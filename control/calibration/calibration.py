@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
+from control.calibration.diagnosis.left_out import errors_left_out, sizes
+from control.calibration.diagnosis.motions import Undetermined, undetermined
+from control.calibration.diagnosis.unexplained import Effect, effects
 from control.calibration.fit import Fit
-from control.calibration.left_out import errors_left_out, sizes
 from control.calibration.measured import MOTORS, Measured
-from control.calibration.motions import Undetermined, undetermined
 from control.calibration.parameters import unit_of
 from control.calibration.scaled_finger import ScaledFinger
-from control.calibration.unexplained import Effect, effects
 from rom.brief import brief
 from rom.console.table import Table, as_html
 from rom.rod.rod import Rod

@@ -10,7 +10,7 @@ import numpy as np
 from control.calibration.fit import Fit, first_tensions, fit
 from control.calibration.measured import GROUPS, MOTORS, Measured
 from control.log import Log
-from rom.csv_table import Refused
+from rom.files.csv_table import Refused
 
 FAR = 3.0  # largest reading over the largest trained tension, and least movement over that of the model [-]
 BELOW = 0.05  # how far below zero a tension may be, over the largest trained one [-]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.guides.guided_finger import GuidedFinger, GuideState
 from rom.rod.touched_segment import TouchedSegment
 

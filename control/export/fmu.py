@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from control.export import NATIVE, UNITS
-from rom.checked_file import ModelError
 from rom.export.fmu import archive
 from rom.export.fmu.variables import INPUTS, OUTPUTS, UNKNOWN, Interface, Variable, flags_of, input_of, output_of
+from rom.files.checked_file import ModelError
 from rom.parameter import Parameter
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

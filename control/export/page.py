@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from rom.atomic_file import write_whole
-from rom.checked_file import ModelError
 from rom.dataset.geometry import tip_at_rest
 from rom.dataset.sections.section import top
 from rom.export.model import struct
 from rom.export.wasm_memory import Image
+from rom.files.atomic_file import write_whole
+from rom.files.checked_file import ModelError
 from rom.rod.compiled import ENDS
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

@@ -32,23 +32,34 @@ REASONS = {
 class _Feeling:
     """What is common to all unknowns."""
 
-    def __init__(self, unknowns: Unknowns, noise: Noise):
-        self._unknowns, self._noise = unknowns, noise
+    def __init__(self, unknowns: Unknowns, noise: Noise, begin: np.ndarray | None = None):
+        self._unknowns, self._noise, self._begin = unknowns, noise, begin
 
-    def _feel(
+    def feel(
         self,
         tensions: ArrayLike,
         shortenings: ArrayLike,
-        expected: Mapping[str, tuple[float, float]] | None,
-        hint: Felt | ArrayLike | None,
+        expected: Mapping[str, tuple[float, float]] | None = None,
+        hint: Felt | ArrayLike | None = None,
     ) -> Felt:
-        """See `KnownObjects.feel`."""
+        """Estimate the unknowns from one measurement of all tendons.
+
+        Args:
+            tensions: measured, shape (t,) [N].
+            shortenings: measured, shape (t,) [m]; zero where the finger is straight and no tendon is pulled.
+            expected: values of unknowns by name with their standard deviations; 0 if a value is known. Of the
+                others, an even distribution over the range is expected.
+            hint: where the search begins: the last estimate, or values of the k unknowns, shape (k,).
+
+        Raises:
+            ValueError: arrays of the wrong shape, noise that is not above 0, or expected values outside their ranges.
+        """
         unknowns = self._unknowns
         names, k, t = unknowns.names, len(unknowns.names), unknowns.ranges.shape[1] - len(unknowns.names)
         pulled, shorter = (np.ascontiguousarray(one, float) for one in (tensions, shortenings))
         if pulled.shape != (t,) or shorter.shape != (t,):
             raise ValueError(f"tensions and shortenings must have shape ({t},), got {pulled.shape} and {shorter.shape}")
-        given = hint.values if isinstance(hint, Felt) else hint
+        given = hint.values if isinstance(hint, Felt) else self._begin if hint is None else hint
         begin = None if given is None else np.ascontiguousarray(given, float)
         if begin is not None and begin.shape != (k,):
             raise ValueError(f"hint must be {', '.join(names)}, got shape {begin.shape}")
@@ -102,7 +113,9 @@ class _Feeling:
 
 
 class KnownObjects(_Feeling):
-    """Objects of known shape and direction whose distances are unknown.
+    """Objects of known shape and direction whose distances are unknown: these and the contact forces are estimated.
+
+    `model.contact_forces` returns where the objects then press.
 
     Args:
         model: the finger before them, with m objects.
@@ -121,27 +134,6 @@ class KnownObjects(_Feeling):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle and copy by the arguments."""
         return type(self), (self.model, self.noise)
-
-    def feel(
-        self,
-        tensions: ArrayLike,
-        shortenings: ArrayLike,
-        expected: Mapping[str, tuple[float, float]] | None = None,
-        hint: Felt | ArrayLike | None = None,
-    ) -> Felt:
-        """Estimate the distances and contact forces; `model.contact_forces` says where the objects then press.
-
-        Args:
-            tensions: measured, shape (t,) [N].
-            shortenings: measured, shape (t,) [m]; zero where the finger is straight and no tendon is pulled.
-            expected: values of unknowns by name with their standard deviations; 0 if a value is known. Of the
-                others, an even distribution over the range is expected.
-            hint: where the search begins: the last estimate, or distances, shape (m,) [m].
-
-        Raises:
-            ValueError: arrays of the wrong shape, noise that is not above 0, or expected values outside their ranges.
-        """
-        return self._feel(tensions, shortenings, expected, hint)
 
 
 class UnknownForce(_Feeling):
@@ -163,20 +155,9 @@ class UnknownForce(_Feeling):
         front = float(rod.rest[0] + rod.half_lengths[0])
         pulled = [[one.lower, one.upper] for one in rod.parameters]
         ranges = np.array([*pulled, [0.0, front], [-largest, largest], [-largest, largest]]).T
-        super().__init__(Unknowns(FORCE, rod, ranges), noise)
+        super().__init__(Unknowns(FORCE, rod, ranges), noise, np.array([BEGIN * front, 0.0, 0.0]))
         self.rod, self.noise, self.most = rod, noise, most
-        self._begin = np.array([BEGIN * front, 0.0, 0.0])
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle and copy by the arguments."""
         return type(self), (self.rod, self.noise, self.most)
-
-    def feel(
-        self,
-        tensions: ArrayLike,
-        shortenings: ArrayLike,
-        expected: Mapping[str, tuple[float, float]] | None = None,
-        hint: Felt | ArrayLike | None = None,
-    ) -> Felt:
-        """Estimate position and force; arguments and errors as of `KnownObjects.feel`; a hint has shape (3,)."""
-        return self._feel(tensions, shortenings, expected, self._begin if hint is None else hint)

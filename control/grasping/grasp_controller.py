@@ -101,8 +101,8 @@ class Grip:
         stage: approach, squeeze or hold.
         status: converged while it holds its target; or why not: "moving", "no_contact" (nothing felt up to the highest
             tension), "lost_contact" (what was held is gone), "sensor_failed" (no usable reading, or one that does not
-            answer to far more tension than the target should take; the tensions stay),
-            "unreachable" or "out_of_domain" (see control.finger; the tensions stay).
+            answer to far more tension than the target should take), "unreachable" or "out_of_domain" (see
+            control.finger); with these three the tensions stay.
         felt: contact force by the readings, smoothed [N].
         distance: the estimated distance d* of the plane, nan before touch [m].
         events: what happened, by pull: "touch", "surprise", "lost", "blind", "sees again", "does not answer", "target
@@ -119,8 +119,7 @@ class Grip:
         self._finger, self._options = finger, options
         self.tensions = finger.lower.copy()
         self.stage, self.status, self.felt, self.distance = "approach", "moving", 0.0, np.nan
-        self.events: list[tuple[int, str]] = []
-        self.pulls = 0
+        self.events, self.pulls = list[tuple[int, str]](), 0
         self._past: deque[np.ndarray] = deque(maxlen=PAST)
         self._target = self._aim = 0.0
         least = DISTINCT * max(options.feel, 3 * options.noise)

@@ -101,8 +101,7 @@ class Problem(Assembly):
 
     def _boundary_conditions(self) -> tuple[list[fem.DirichletBC], np.ndarray, np.ndarray]:
         """The supports; owned indices of the clamp's unknowns, and of all that are held."""
-        dim = self.mesh.mesh.topology.dim - 1
-        owned = self.space.dofmap.index_map.size_local
+        dim, owned = self.mesh.mesh.topology.dim - 1, self.space.dofmap.index_map.size_local
         nodes = fem.locate_dofs_topological(self.space, dim, self.mesh.facets.find(regions.CLAMP))
         supports = [fem.dirichletbc(np.zeros(3), nodes, self.space)]
         clamped = (3 * nodes[nodes < owned][:, None] + np.arange(3)).ravel()
@@ -210,8 +209,7 @@ class Problem(Assembly):
 
     def chamber_volumes(self) -> np.ndarray:
         """Of the chambers, shape (chambers,) [m^3]: of each minus the energy at unit pressure."""
-        chambers = range(len(self.scene.tendons), len(self.tensions))
-        return -np.array([self._energy_at_unit_load(k) for k in chambers])
+        return -np.array([self._energy_at_unit_load(k) for k in range(len(self.scene.tendons), len(self.tensions))])
 
     def _energy_at_unit_load(self, k: int) -> float:
         self.actuators.probe(np.eye(len(self.tensions))[k])
@@ -245,9 +243,8 @@ class Problem(Assembly):
         minus its forces [N]. Friction adds what changes where the obstacle moves by `carried`, shape (3,) [m].
         """
         self.actuators.probe(tensions)
-        dragged = None
-        if self.contact is not None and self.contact.friction is not None and carried is not None:
-            dragged = self.contact.friction.load_gradient(carried)
+        friction = None if self.contact is None else self.contact.friction
+        dragged = None if friction is None or carried is None else friction.load_gradient(carried)
         b = self.gradient(self.forms.actuator_force, dragged)
         if distance and self.contact is not None:
             pull = self.contact.force_gradient()

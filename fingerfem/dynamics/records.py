@@ -14,7 +14,7 @@ import numpy as np
 from fingerfem.dynamics.energy_balance import Balance
 from fingerfem.dynamics.generalised_alpha import MovingState
 from fingerfem.dynamics.simulation import Moment
-from rom.atomic_file import write_whole
+from rom.files.atomic_file import write_whole
 
 ROWS, LAST = "motion.csv", "last.npz"
 FIELDS = [one.name for one in fields(MovingState) if one.name != "time"]

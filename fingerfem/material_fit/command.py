@@ -40,7 +40,7 @@ def fit_material(
     from fingerfem.material_fit.measurements import read_measurements
     from fingerfem.material_fit.report import as_json as whole
     from fingerfem.material_fit.report import material_table, parts
-    from rom.atomic_file import write_whole
+    from rom.files.atomic_file import write_whole
 
     if output is not None and (output.suffix != ".toml" or not output.parent.is_dir()):
         raise ValueError(f"output must end in .toml and be in a folder that exists, got {output}")

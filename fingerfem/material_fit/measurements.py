@@ -12,7 +12,7 @@ import numpy as np
 
 from fingerfem.scene.laws.stability import MODES
 from rom.brief import brief
-from rom.csv_table import CsvTable, Heading, Refused, factor, heading, read_table
+from rom.files.csv_table import CsvTable, Heading, Refused, factor, heading, read_table
 
 NAMES = {**{mode: mode for mode in MODES}, "biaxial": "equibiaxial", "pure shear": "planar"}
 STRAIN_UNITS = {"-": 1.0, "1": 1.0, "mm/mm": 1.0, "m/m": 1.0, "%": 0.01}

@@ -13,8 +13,8 @@ from matplotlib.patches import Rectangle
 
 from fingerfem.output.dimensions import FONT, INLAY, MM, PAD, RUBBER, arrow, dimension, finish, label, millimetres
 from fingerfem.output.section_view import draw_section
-from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
+from fingerfem.scene.placed import Material
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import FromFile
 from fingerfem.scene.tables import Geometry, Tendon

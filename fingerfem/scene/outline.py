@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fingerfem.scene.chamber import Chamber
-from fingerfem.scene.material import Material
+from fingerfem.scene.placed import Chamber, Material
 from fingerfem.scene.sections import RUBBER, Cavity, Column, Inlay, Wanted
 from fingerfem.scene.tables import Geometry, Pad, Tendon
 from rom.dataset.grid import SHARE
@@ -61,30 +60,14 @@ class GridOutline(NamedTuple):
             for one, chamber in zip(where, self.chambers, strict=True)
         ]
         return [
-            Cavity(
-                name=one.name,
-                region=one.region,
-                centre=np.array(one.centre or [0.0, 0.0]),
-                size=np.array(one.size or [0.0, 0.0]),
-                tag=RUBBER - 1 - own.index(key),
-            )
-            for one, key in zip(self.chambers, own, strict=True)
+            Cavity(**_inside(one), tag=RUBBER - 1 - own.index(key)) for one, key in zip(self.chambers, own, strict=True)
         ]
 
     @property
     def inlays(self) -> list[Inlay]:
         """What the section's mesh has of every other material."""
         last = RUBBER - 1 - len(self.chambers)
-        return [
-            Inlay(
-                name=one.name,
-                region=one.region,
-                centre=np.array(one.centre or [0.0, 0.0]),
-                size=np.array(one.size or [0.0, 0.0]),
-                tag=last - k,
-            )
-            for k, one in enumerate(self.materials)
-        ]
+        return [Inlay(**_inside(one), tag=last - k) for k, one in enumerate(self.materials)]
 
     def wanted(self, across: int, half: bool) -> Wanted:
         """What the section's mesh has to meet, with cells across."""
@@ -97,3 +80,9 @@ class GridOutline(NamedTuple):
             cavities=self.cavities,
             inlays=self.inlays,
         )
+
+
+def _inside(one: Chamber | Material) -> dict[str, Any]:
+    """Name and region of a chamber or a material, as the section's mesh takes them."""
+    centre, size = (np.array(pair or [0.0, 0.0]) for pair in (one.centre, one.size))
+    return {"name": one.name, "region": one.region, "centre": centre, "size": size}

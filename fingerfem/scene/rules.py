@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingerfem.scene.chamber import Chamber
-from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
+from fingerfem.scene.placed import Chamber, Material
 from rom.dataset.geometry import END
 
 if TYPE_CHECKING:

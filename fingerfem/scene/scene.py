@@ -16,12 +16,11 @@ from pydantic import (
     model_validator,
 )
 
-from fingerfem.scene.chamber import Chamber
 from fingerfem.scene.grid_lines import fitting, lines_along, section_mesh
 from fingerfem.scene.laws import Law, NamedLaw
-from fingerfem.scene.material import Material
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.outline import GridOutline
+from fingerfem.scene.placed import Chamber, Material
 from fingerfem.scene.presets import KEYS, chosen
 from fingerfem.scene.rules import (
     check_chambers,

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingerfem.scene.scene import Scene, SceneError
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 
 UNITS = {
     "side": "m",

@@ -21,7 +21,7 @@ from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.model import FingerModel
 from rom.dataset import mesh_transfer
 from rom.dataset.snapshot_set import Description, SnapshotError, SnapshotSet, read_task
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 
 
 class _State(NamedTuple):

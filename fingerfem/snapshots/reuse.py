@@ -14,7 +14,7 @@ import numpy as np
 from rom.dataset.description import Description, Line, difference
 from rom.dataset.plan import Plan
 from rom.dataset.snapshot_set import SnapshotError, read_description, read_task, task_file
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 
 NOT_OF_A_STATE = ("task", "fingerprint", "seconds", "nodes")
 

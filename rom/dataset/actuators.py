@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 
 
 class Actuator(NamedTuple):

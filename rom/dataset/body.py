@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rom.atomic_file import write_whole
 from rom.brief import brief
 from rom.dataset.grid import SHARE
+from rom.files.atomic_file import write_whole
 
 
 def body_file(path: str | Path) -> Path:

@@ -8,11 +8,11 @@ import os
 from dataclasses import asdict
 from pathlib import Path
 
-from rom.atomic_file import write_whole
 from rom.dataset.description import Description, difference
 from rom.dataset.plan import Plan, PlanError, read_round
 from rom.dataset.schema import FIELDS
 from rom.dataset.snapshot_set import SnapshotError, read_description, read_task
+from rom.files.atomic_file import write_whole
 
 OURS = (
     "tasks",

@@ -10,9 +10,9 @@ import json
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
-from rom.atomic_file import write_whole
 from rom.brief import brief
 from rom.dataset.description import Description, Line
+from rom.files.atomic_file import write_whole
 
 
 @brief

@@ -22,12 +22,12 @@ from pathlib import Path
 
 import numpy as np
 
-from rom.atomic_file import write_whole
 from rom.dataset.body import RestBody, body_file
 from rom.dataset.description import FORMAT, FORMER, Description, Line
 from rom.dataset.plan import Plan
 from rom.dataset.schema import FIELDS, not_finite
-from rom.file_kinds import uses_of
+from rom.files.atomic_file import write_whole
+from rom.files.file_kinds import uses_of
 
 
 class SnapshotError(ValueError):

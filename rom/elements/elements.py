@@ -9,13 +9,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rom import checked_file
 from rom.brief import brief
 from rom.dataset.actuators import count_of, pressures_of
 from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.law import ElementLaw
 from rom.elements.outline import OutlineLaw
 from rom.elements.polynomial import Polynomial
+from rom.files import checked_file
 
 CLAMP, INTERIOR, PLATE, WHOLE = "clamp", "interior", "plate", "whole"  # kinds of elements
 SECTION = "section"  # the group of a file that holds the section's outline

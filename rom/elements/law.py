@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.dataset.grid import SHARE
 from rom.elements.polynomial import Polynomial
+from rom.files.checked_file import ModelError
 
 POSE = 6  # first values of a law: place [m], Rodrigues vector [-]
 

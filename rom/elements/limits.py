@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from rom.checked_file import require
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE, Elements
 from rom.elements.law import POSE, ElementLaw
 from rom.elements.outline import NUMBERS, OutlineLaw
 from rom.elements.polynomial import Polynomial
+from rom.files.checked_file import require
 
 KINDS = ({CLAMP, PLATE}, {CLAMP, INTERIOR, PLATE}, {WHOLE})
 WRENCH = 6

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rom.checked_file import ModelError
 from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE, WHOLE
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 
 MOST_ELEMENTS = LIBRARY.constants.FINGERFEM_MOST_ELEMENTS  # of a segment

@@ -23,10 +23,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rom.checked_file import ModelError
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
 from rom.elements.law import ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
+from rom.files.checked_file import ModelError
 
 WARPING = 0.98  # b over the side [-]
 ROUNDS = 50  # of the fixed point for sizes of end pieces; each reduces the error to a tenth

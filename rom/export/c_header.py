@@ -10,10 +10,10 @@ import hashlib
 import re
 from pathlib import Path
 
-from rom.atomic_file import write_whole
-from rom.checked_file import ModelError
 from rom.export.numbers import definitions
 from rom.export.rod_header import rod_header
+from rom.files.atomic_file import write_whole
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

@@ -11,11 +11,11 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from rom.checked_file import ModelError
 from rom.export.amalgamation import Sources
 from rom.export.c_text import renamed
 from rom.export.numbers import definitions, literal
 from rom.export.wasm_memory import address, owners
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 from rom.rod.touched_segment import TouchedSegment
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rom.checked_file import require
 from rom.elements.law import ElementMap
 from rom.elements.march import march
 from rom.elements.pieces import MOST_ELEMENTS
 from rom.elements.polynomial import Polynomial
+from rom.files.checked_file import require
 from rom.native import LIBRARY
-from rom.rod.wrench_products import padded
+from rom.rod.compiled.wrench_products import padded
 
 if TYPE_CHECKING:
     from rom.rod.compiled import CondensedSegment, Outline

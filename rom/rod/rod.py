@@ -15,9 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import checked_file
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.console.table import Table, as_html
 from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of, tip_at_rest
@@ -25,6 +23,8 @@ from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
 from rom.elements.pieces import Piece, cut
 from rom.elements.taper import TaperedRubber, tapered_pieces
+from rom.files import checked_file
+from rom.files.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.parameter import Parameter
 from rom.rod import compiled, shape
@@ -68,7 +68,7 @@ class Rod(PickledByFields):
         elements: the elements as trained.
         scene: of the finger: geometry, material and tendons, as plain data.
         accuracy: errors measured on held-out states; empty if not measured.
-        calibration: on which log and with which result (`control.calibrate`); empty if not calibrated.
+        calibration: the log and its result (`control.calibrate`); empty if not calibrated.
         parts: into which interior elements are cut, for the mass of a moving finger; answers at rest hardly change.
 
     Raises:
@@ -278,8 +278,7 @@ class Rod(PickledByFields):
         checked_file.save(Path(path), KIND, FORMAT, self._write)
 
     def _write(self, file: h5py.File) -> None:
-        for name in PLAIN:
-            file.attrs[name] = json.dumps(getattr(self, name))
+        file.attrs.update({name: json.dumps(getattr(self, name)) for name in PLAIN})
         self.elements.write(file.create_group("elements"))
 
     @classmethod

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.dataset.sections.section import area
 from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.elements import INTERIOR, Elements
@@ -19,6 +18,7 @@ from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 from rom.elements.taper import Prism, shear_compliance, tapered
+from rom.files.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.rod import compiled
 from rom.rod.bulges import bulges_of

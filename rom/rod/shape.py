@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.dataset.geometry import size_at
 from rom.dataset.grid import SHARE
 from rom.elements import rotation_vectors
@@ -17,6 +16,7 @@ from rom.elements.elements import INTERIOR
 from rom.elements.law import POSE
 from rom.elements.outline import CORNERS
 from rom.elements.pieces import Piece
+from rom.files.checked_file import ModelError
 from rom.rod.compiled import reports
 
 if TYPE_CHECKING:

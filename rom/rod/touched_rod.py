@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from rom.answer import Answer
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.console.table import Table, parameters
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY, PickledByFields
 from rom.parameter import Parameter, joined
 from rom.parametric_model import ParametricModel

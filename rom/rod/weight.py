@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.dataset.sections.section import area
+from rom.files.checked_file import ModelError
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod

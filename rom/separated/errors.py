@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt, maximum_filter, percentile_filter
 
 from rom.brief import brief
-from rom.checked_file import require
+from rom.files.checked_file import require
 from rom.parametric_model import ParametricModel
 
 MARGIN = 1e-3  # share of the range of d: the least margin of contact paths

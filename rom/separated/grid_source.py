@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 from rom.parameter import Parameter
 from rom.separated.tabulated import Samples
 

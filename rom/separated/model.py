@@ -14,11 +14,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import checked_file
 from rom.answer import FORCE, TOUCH, Answer
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.console.table import NOT_MEASURED, Table, accuracy, parameters
+from rom.files import checked_file
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY, PickledByFields, forms
 from rom.parameter import Parameter, joined
 from rom.parametric_model import ParametricModel

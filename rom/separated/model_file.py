@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from rom.checked_file import read_tree, require, shaped
 from rom.dataset.actuators import count_of
+from rom.files.checked_file import read_tree, require, shaped
 from rom.native import LIBRARY
 from rom.parameter import Parameter
 from rom.rod.scene.scene_of_rod import of_tables
@@ -28,7 +28,7 @@ LEAST, MOST_TERMS = 4, 1 << 16  # components of a form; its terms: positions in 
 
 
 def contents(model: SeparatedModel) -> dict[str, Any]:
-    """The tree of a file, for `rom.checked_file.write_tree`."""
+    """The tree of a file, for `rom.files.checked_file.write_tree`."""
     axes = {parameter.name: parameter.unit for parameter in model.parameters[:-1]}
     tree: dict[str, Any] = {name: getattr(model, name) for name in PLAIN} | {
         "lead": model.lead,

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from rom.answer import FORCE, TOUCH, Answer
-from rom.checked_file import require
 from rom.console.terminal import Progress, quiet
 from rom.dataset.sections.section import top
 from rom.error_statistics import compared, differences
+from rom.files.checked_file import require
 from rom.parameter import joined
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.rod import QUANTITIES

@@ -9,9 +9,9 @@ from control import Finger, Gripper, Limits
 from control.export import fmu as control_fmu
 from control.export import page
 from control.motion import for_each
-from rom.checked_file import ModelError
 from rom.export.fmu.variables import model_interface
 from rom.export.rod_header import rod_header
+from rom.files.checked_file import ModelError
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.elements.chambered_rod import HIGHEST

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import rom
-from control.moving_plant import MovingPlant
-from control.plant import Flaws
-from rom.checked_file import ModelError
+from control.plant import Flaws, MovingPlant
+from rom.files.checked_file import ModelError
 
 DENSITY, PLANE, PULL = 1100.0, 0.003, [20.0, 0.0]  # [kg/m^3], [m], [N]
 

@@ -21,9 +21,9 @@ import numpy as np
 
 from control import Finger, problems
 from rom import Hull, SeparatedModel, Sphere, TouchedSegment, load
-from rom.checked_file import BLOCK, ModelError
 from rom.export.c_header import header
 from rom.export.model import struct
+from rom.files.checked_file import BLOCK, ModelError
 from rom.native import LIBRARY, pointer
 from rom.rod.compiled import rubber_boxes
 from rom.rod.compiled.contacts import find_contacts, material_points

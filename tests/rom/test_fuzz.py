@@ -11,7 +11,7 @@ import pytest
 from assembled import in_series
 
 from rom import Rod, SeparatedModel
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY, compiler
 from rom.rod import limits as rod_limits
 from rom.rod.scene.scene_of_rod import MOST_SEGMENTS

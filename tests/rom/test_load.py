@@ -5,7 +5,7 @@ from terminal import ROOT
 
 import rom
 from rom.bundled import FINGERS
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 
 
 def test_a_file_is_read_by_its_kind_and_none_is_the_bundled_finger(table_file):

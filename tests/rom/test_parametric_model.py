@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rom.answer import TOUCH
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.parameter import Parameter
 from rom.parametric_model import ParametricModel
 

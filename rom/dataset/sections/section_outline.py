@@ -8,8 +8,8 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom import checked_file
 from rom.brief import brief
+from rom.files import checked_file
 
 MOST_VERTICES = 64  # of the polygon
 STRAIGHT = 1e-9  # least sine at a vertex, and least half of the box over the other one [-]

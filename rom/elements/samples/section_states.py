@@ -20,7 +20,7 @@ from rom.dataset.geometry import tip_at_rest
 from rom.dataset.rigid_motion import motions, rotations
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.elements.samples.symmetry import Mirror, mirrors
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 
 WRENCH = 6  # force [N] and moment [N m]
 NEAREST = 6  # cross-sections that one between them is interpolated by

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rom.atomic_file import atomic_file
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.export.fmu import description
 from rom.export.fmu.variables import OUTPUTS, Interface, Variable, model_interface
 from rom.export.model import errors_of
 from rom.export.numbers import definitions, literal
+from rom.files.atomic_file import atomic_file
+from rom.files.checked_file import ModelError
 from rom.native import FLAGS, LIBRARY, compiler
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rom.brief import brief
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.parameter import Parameter
 from rom.rod.touched_segment import TouchedSegment
 from rom.separated.model import SeparatedModel

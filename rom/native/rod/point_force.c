@@ -119,12 +119,7 @@ int fingerfem_chain_point_force(const fingerfem_chain *chain, const double *tens
     chain_by_tensions(&map, &state);
     for (int b = 0; b < map.count; b++) inside &= state.bodies[b].end.inside;
     /* no laws of shortenings: NaN */
-    if (!shortenings_of(&map, 0, segments)) {
-        for (int j = 0; j < t; j++) shortenings[j] = NAN;
-        for (int j = 0; j < t * columns; j++) changes[j] = NAN;
-        return inside;
-    }
-    shortenings_together(&map, segments, shortenings);
+    if (!shortenings_known(&map, segments, columns, shortenings, changes)) return inside;
     /* columns of the tensions, 0 where they are clamped; then of the position, 0 where that is, and of the force */
     for (int c = 0; c < columns; c++) {
         double unit[TENSIONS_MOST] = {0.0}, none[CHAIN_WRENCH] = {0.0}, motion[CHAIN_WRENCH], found[TENSIONS_MOST];

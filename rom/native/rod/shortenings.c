@@ -225,6 +225,15 @@ void shortenings_change(const chain_state *state, const chain_rods *map, const s
     }
 }
 
+int shortenings_known(const chain_rods *map, shortenings_segment *segments, int columns, double *shortenings, double *changes)
+{
+    const int t = map->chain->tensions, known = shortenings_of(map, 0, segments);
+    for (int j = 0; j < t && !known; j++) shortenings[j] = NAN;
+    for (int j = 0; j < t * columns && !known; j++) changes[j] = NAN;
+    if (known) shortenings_together(map, segments, shortenings);
+    return known;
+}
+
 int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                                 double *shortenings, double *changes)
 {
@@ -235,12 +244,7 @@ int fingerfem_chain_shortenings(const fingerfem_chain *chain, const double *tens
     shortenings_segment segments[MOST_BODIES];
     const int inside = chain_placed(chain, tensions, loads, memory, held, &map, &state), w = chain_size(&map);
     /* no laws of shortenings: NaN */
-    if (!shortenings_of(&map, 0, segments)) {
-        for (int j = 0; j < t; j++) shortenings[j] = NAN;
-        for (int j = 0; j < t * columns; j++) changes[j] = NAN;
-        return inside;
-    }
-    shortenings_together(&map, segments, shortenings);
+    if (!shortenings_known(&map, segments, columns, shortenings, changes)) return inside;
     /* column c: a unit change of tension c, or of a component of a plate's wrench */
     for (int c = 0; c < columns; c++) {
         double by_tensions[TENSIONS_MOST] = {0.0}, by_wrenches[CHAIN_WRENCH] = {0.0}, motion[CHAIN_WRENCH], found[TENSIONS_MOST];

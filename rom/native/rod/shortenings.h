@@ -16,6 +16,10 @@ static inline int shortenings_at(int tendon) { return FINGERFEM_POSE * (tendon /
 /* Of all segments where `chain_under`, or without a wrench `chain_free`, has placed them; returns 0 if they are not known. */
 int shortenings_of(const chain_rods *map, int free, shortenings_segment *segments);
 
+/* Those of the chain, (tensions) [m], from all segments, which it takes too; NAN, with all derivatives, (tensions, columns), without laws of
+ * them: then it returns 0. */
+int shortenings_known(const chain_rods *map, shortenings_segment *segments, int columns, double *shortenings, double *changes);
+
 /* Those of the chain, (tensions) [m]. */
 void shortenings_together(const chain_rods *map, const shortenings_segment *segments, double *found);
 

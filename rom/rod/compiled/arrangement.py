@@ -12,7 +12,7 @@ import numpy as np
 from rom.dataset.sections.section_outline import SectionOutline
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY
-from rom.rod.wrench_products import padded
+from rom.rod.compiled.wrench_products import padded
 
 BLOCK, POSE = LIBRARY.constants.FINGERFEM_BLOCK, LIBRARY.constants.FINGERFEM_POSE
 SIX = LIBRARY.constants.FINGERFEM_BLOCK_ROW // BLOCK  # values of a law

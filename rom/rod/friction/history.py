@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.friction.contact_law import OPEN, SLIDES
 from rom.rod.friction.increment import Loads, Resting, advance, free
 from rom.rod.objects.shapes import Cylinder, Plane, Sphere

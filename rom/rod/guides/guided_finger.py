@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY, PickledByFields
 from rom.rod.compiled import guides
 from rom.rod.compiled.reports import QUATERNION

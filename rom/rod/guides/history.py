@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.guides.guided_finger import GuidedFinger, GuideState
 from rom.rod.rod import Rod
 from rom.rod.touched_rod import TouchedRod

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.dataset.actuators import refuse_chambers
+from rom.files.checked_file import ModelError
 from rom.rod.compiled import memory_of
 from rom.rod.compiled.motion import Stepped, at_rest, inertia_struct, step
 from rom.rod.compiled.touched import touches

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from rom.checked_file import ModelError
 from rom.dataset.geometry import plates_of
 from rom.dataset.sections.section import extent
+from rom.files.checked_file import ModelError
 from rom.rod.scene.section_of_rod import NEAR
 
 

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.checked_file import ModelError
 from rom.dataset.actuators import actuators_of
 from rom.dataset.geometry import sizes_of
 from rom.dataset.sections.section import channel_width, extent
-from rom.file_kinds import uses_of
+from rom.files.checked_file import ModelError
+from rom.files.file_kinds import uses_of
 from rom.rod.scene.chambers_of_rod import chambers_of, matched, rescaled_chamber
 from rom.rod.scene.section_of_rod import NEAR, equal, rescaled_section, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rom.checked_file import ModelError
 from rom.dataset.sections.section import FILE, RECTANGLE, RING, SIZES, SQUARE, section_of
+from rom.files.checked_file import ModelError
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
 WRITTEN = ("digest", "measures")  # what the full-order model writes besides a file's path

@@ -12,8 +12,8 @@ from sampled import some_points
 
 import rom
 from control.export.page import VIEWER, about, write
-from rom.checked_file import ModelError
 from rom.export.model import struct
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY, pointer
 
 ROOT = Path(__file__).resolve().parents[3]

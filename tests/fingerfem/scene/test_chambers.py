@@ -13,7 +13,7 @@ from fingerfem.scene.grid_lines import lines_along, section_mesh
 from fingerfem.scene.loads import read_loads
 from fingerfem.scene.scene import Scene, SceneError
 from fingerfem.snapshots.design import HeldOut, describe
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.scene.scene_of_rod import of_tables
 
 CHAMBER = {"name": "p1", "region": "rectangle", "centre": [-0.0045, 0.0], "size": [0.005, 0.008], "x": [0.004, 0.054]}

@@ -14,7 +14,7 @@ from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import PlaneMesh
 from fingerfem.scene.toml_file import one_line
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.scene.scene_of_rod import of_tables
 
 STIFF = {"law": "neo-hookean", "E": 5e7, "nu": 0.3}

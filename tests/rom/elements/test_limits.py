@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import rom
-from rom.checked_file import ModelError
 from rom.elements.limits import check
+from rom.files.checked_file import ModelError
 
 ELEMENTS = rom.load().rod.elements
 NAN, INF = float("nan"), float("inf")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rom.checked_file import ModelError
 from rom.dataset.geometry import size_at
 from rom.elements import taper as tapers
 from rom.elements.elements import INTERIOR
@@ -14,6 +13,7 @@ from rom.elements.march import march
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 from rom.elements.taper import Prism, TaperedRubber, tapered_pieces
+from rom.files.checked_file import ModelError
 from tests.rom.elements import elastic_rod as rod
 
 TENSIONS, WRENCH = np.array([8.0, 5.0]), np.array([0.05, -0.1, 0.08, 1e-3, -2e-3, 2e-3])

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from rom.checked_file import ModelError
 from rom.export.amalgamation import Sources
 from rom.export.c_text import declarations
+from rom.files.checked_file import ModelError
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 HEADER = """/* What both share. */

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from sampled import tabled
 
-from rom.checked_file import ModelError
 from rom.export.c_header import export, header
+from rom.files.checked_file import ModelError
 
 ROOT = Path(__file__).resolve().parents[3]
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]

@@ -14,8 +14,8 @@ import pytest
 from typer.testing import CliRunner
 
 from rom.__main__ import app
-from rom.checked_file import ModelError
 from rom.export.c_header import export, header
+from rom.files.checked_file import ModelError
 from rom.rod.compiled import memory_of
 from rom.rod.objects.shapes import Cylinder, Sphere, box, facing_plane
 from rom.rod.rod import QUANTITIES

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import rom
-from rom.checked_file import ModelError
 from rom.export.fmu import write
 from rom.export.numbers import literal
+from rom.files.checked_file import ModelError
 
 fmpy = pytest.importorskip("fmpy", reason="needs FMPy (make test installs it)")
 from fmpy.fmi1 import FMICallException  # noqa: E402

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rom
-from rom.checked_file import ModelError
 from rom.export.rod_header import _about, _ends, _filled, _limited, _limits, _stack, rod_header
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 
 

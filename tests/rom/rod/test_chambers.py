@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from rom.checked_file import ModelError
 from rom.elements.march import march
+from rom.files.checked_file import ModelError
 from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.objects.shapes import Plane
 from rom.rod.rod import Rod

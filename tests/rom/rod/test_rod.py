@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.rod import Rod
 from rom.separated.model import SeparatedModel
 from tests.rom.elements import elastic_rod

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 from rom.rod import compiled as native
 from rom.rod import limits

@@ -5,8 +5,8 @@ import pytest
 from assembled import in_series
 
 from rom import TouchedSegment
-from rom.checked_file import ModelError
 from rom.elements import rotation_vectors
+from rom.files.checked_file import ModelError
 from rom.rod import shape
 from tests.rom.elements import elastic_rod as rod
 

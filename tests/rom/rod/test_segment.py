@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rom
-from rom.checked_file import ModelError
 from rom.elements.pieces import Piece
+from rom.files.checked_file import ModelError
 from rom.rod.segment import UNDER, segment_of
 
 PULLED = np.array([30.0, 12.0, 0.4, -0.5, 0.3, 0.01, -0.02, 0.015])  # tensions and a wrench

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rom import AmongObjects, Cylinder, Plane, Sphere, TouchedSegment, box
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 
 RANGE = (-0.05, 0.1)
 BALL = Sphere(centre=(0.046, 0.022, 0.002), direction=(0.0, 1.0, 0.0), radius=0.012, distances=RANGE)

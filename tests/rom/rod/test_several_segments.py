@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from control import Finger
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.objects.shapes import Plane, RigidObject, Sphere, box, facing_plane
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.elements import elastic_rod as rod

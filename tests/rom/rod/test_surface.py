@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rom import TouchedSegment
-from rom.checked_file import ModelError
 from rom.elements.pieces import Piece
+from rom.files.checked_file import ModelError
 from rom.rod import compiled as native
 from rom.rod.compiled.arrangement import places_between
 from rom.rod.compiled.evaluation import sections

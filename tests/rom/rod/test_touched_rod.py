@@ -5,7 +5,7 @@ import pytest
 
 import rom
 from rom import AmongObjects, Plane, Sphere, TouchedSegment
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 
 PAIRS = [(60.0, 20.0), (20.0, 0.0), (80.0, 50.0)]
 DEEP = 0.003  # of the plane beyond touch [m]

@@ -8,7 +8,7 @@ from scipy.optimize import root
 
 from control import Finger
 from rom import friction_history
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.compiled import reports
 from rom.rod.objects.shapes import Cylinder, facing_plane
 from rom.rod.rod import Rod

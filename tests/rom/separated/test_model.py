@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 
 FREE, TOUCHING = [10.0, 30.0, 0.025], [52.5, 25.0, 0.0121]
 KINDS = ("table", "grid_model")

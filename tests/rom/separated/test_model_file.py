@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rom import SeparatedModel
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 
 ROOT = Path(__file__).resolve().parents[3]
 

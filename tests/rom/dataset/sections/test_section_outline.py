@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from rom.checked_file import ModelError
 from rom.dataset.sections.section_outline import SectionOutline
+from rom.files.checked_file import ModelError
 
 HEXAGON = np.array([[np.cos(a), np.sin(a)] for a in np.pi / 3 * np.arange(6)]) * 0.01
 OUTLINES = {

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 import rom
-from rom.checked_file import ModelError
 from rom.export.fmu import variables
 from rom.export.fmu.variables import FLAG, INPUTS, MOST_INPUTS, OUTPUTS, REPORT, REPORT_ERRORS, STATUS, model_interface
+from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 from rom.parameter import Parameter
 

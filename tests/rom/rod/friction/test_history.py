@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rom import Sphere, TouchedSegment, friction_history
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.test_touch import touched

@@ -8,7 +8,7 @@ import pytest
 from assembled import in_series
 
 from rom import GuidedFinger, Rod, TouchedSegment, guide_history
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.compiled import reports
 
 FRICTION = 0.2

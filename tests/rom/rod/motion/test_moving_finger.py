@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 import rom
-from rom.checked_file import ModelError
+from rom.files.checked_file import ModelError
 from rom.rod.compiled.motion import at_rest
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.motion.moving_finger import MovingFinger

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rom.checked_file import ModelError
 from rom.dataset.sections.section import area, channel_width, extent, mean_squares, outline, top
+from rom.files.checked_file import ModelError
 from rom.rod.scene.scene_of_rod import of_tables, read_scene, rescaled, similarity
 from rom.rod.scene.section_of_rod import rescaled_section
 

@@ -16,8 +16,8 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
-from rom.atomic_file import write_whole
-from rom.file_kinds import uses_of
+from rom.files.atomic_file import write_whole
+from rom.files.file_kinds import uses_of
 
 T = TypeVar("T")
 BLOCK = 512  # bytes before what is HDF5

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rom.brief import brief
-from rom.file_kinds import uses_of
+from rom.files.file_kinds import uses_of
 
 LENGTHS = {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "um": 1e-6, "µm": 1e-6}
 FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rom.rod.wrench_products import NONE, padded
+from rom.rod.compiled.wrench_products import NONE, padded
 
 ROWS = st.lists(st.tuples(*[st.integers(0, 3)] * 6), min_size=1, max_size=40)
 

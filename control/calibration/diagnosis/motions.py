@@ -12,7 +12,7 @@ from control.calibration.measured import GROUPS, MOTORS, Measured
 from control.calibration.parameters import DETERMINED
 from control.log import Log
 from rom.brief import brief
-from rom.csv_table import Heading
+from rom.files.csv_table import Heading
 
 POSES, SHARE = 5, 0.8  # of a motion that is tried; of the largest trained tension [-]
 LEAST = 0.3  # a component of a parameter in a direction that is named, whatever its deviation [-]

@@ -9,8 +9,8 @@ from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
 from fingerfem.discretisation.problem import Problem
-from fingerfem.equilibrium.channel_lengths import ChannelLengths
 from fingerfem.equilibrium.state import channel_shortening
+from fingerfem.equilibrium.strokes.channel_lengths import ChannelLengths
 from fingerfem.scene.scene import Scene
 
 LENGTH, PLATE = 0.05, 0.001

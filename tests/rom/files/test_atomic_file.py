@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rom.atomic_file import atomic_file, write_whole
+from rom.files.atomic_file import atomic_file, write_whole
 
 
 def there(folder: Path) -> dict[str, bytes]:

@@ -14,7 +14,7 @@ from control.export.page import write as write_page
 from rom.__main__ import app as rom
 from rom.export.c_header import export
 from rom.export.fmu.archive import pack
-from rom.file_kinds import (
+from rom.files.file_kinds import (
     FMU,
     HEADER,
     HELD_OUT_SET,

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from control.calibration.fit import Fit, fit
 from control.calibration.measured import GROUPS, Measured
-from rom.csv_table import Refused
+from rom.files.csv_table import Refused
 
 RISK = 1e-3  # probability that a log without outliers shows one [-]
 ROUNDS, MOST = 5, 0.2  # of leaving out; largest share of a group that may be left out [-]

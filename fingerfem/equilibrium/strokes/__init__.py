@@ -1,0 +1,1 @@
+"""What actuators do work on: lengths of channels, volumes of chambers."""
