@@ -57,7 +57,7 @@ class ParametricModel:
     def _repr_html_(self) -> str:
         return as_html(self.tables())
 
-    def _checked(self, parameters: ArrayLike, most: int = 2) -> np.ndarray:
+    def checked(self, parameters: ArrayLike, most: int = 2) -> np.ndarray:
         """One point, shape (p,), or with `most` of 2 many, shape (n, p).
 
         Raises:

@@ -116,7 +116,7 @@ class TouchedRod(ParametricModel, PickledByFields):
 
     def _points(self, parameters: ArrayLike) -> np.ndarray:
         """Points as rows."""
-        return np.atleast_2d(self._checked(parameters))
+        return np.atleast_2d(self.checked(parameters))
 
     def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
         """Tip, its orientation, contact forces, touch distances and tendon shortenings at tensions [N] and every d [m].

@@ -110,7 +110,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         Raises:
             ModelError: the wrong number of parameters.
         """
-        point, errors = self._checked(parameters if d is None else joined(parameters, d)), self.errors
+        point, errors = self.checked(parameters if d is None else joined(parameters, d)), self.errors
         points = np.atleast_2d(point)
         out, inside = forms.answers(self.kernel, points)
         rates = forms.contact_errors(self.kernel, errors.contact, errors.margin, points, out[:, TOUCH])
@@ -130,7 +130,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         At touch itself, a kink, derivatives are those of the free side; across walls of the sampled box they are zero.
         Where a form swings below zero just after touch, the force is clamped to zero, but not its derivative.
         """
-        return forms.answer(self.kernel, self._checked(parameters, most=1))[:2]
+        return forms.answer(self.kernel, self.checked(parameters, most=1))[:2]
 
     def displacement(self, parameters: ArrayLike) -> np.ndarray:
         """Displacement of all nodes, shape (nodes, 3) [m]; outside the box, at the nearest point inside.
@@ -140,7 +140,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         """
         if self.nodes is None:
             raise ModelError("displacement must be in the scene's sampling.store, got a model of samples without it")
-        (lower, upper), point = self.limits, self._checked(parameters, most=1)
+        (lower, upper), point = self.limits, self.checked(parameters, most=1)
         tensions, d = np.split(np.clip(np.where(np.isnan(point), lower, point), lower, upper)[None], [-1], axis=1)
         touch = self.outputs(point[None])[0, TOUCH]
         moved, path = forms.values(self._fields, 0, tensions), touch - d

@@ -35,5 +35,5 @@ def test_flaws_of_the_sensor_are_in_what_is_felt_alone(finger):
 def test_a_pull_out_of_the_domain_and_a_finger_without_density_are_refused(finger):
     with pytest.raises(ValueError, match="got out_of_domain at"):
         MovingPlant(finger, PLANE, DENSITY).pull([200.0, 0.0])
-    with pytest.raises(ModelError, match="density must be above 0"):
+    with pytest.raises(ModelError, match="density must be given"):
         MovingPlant(finger, PLANE)

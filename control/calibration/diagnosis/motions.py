@@ -16,7 +16,7 @@ from rom.files.csv_table import Heading
 
 POSES, SHARE = 5, 0.8  # of a motion that is tried; of the largest trained tension [-]
 LEAST = 0.3  # a component of a parameter in a direction that is named, whatever its deviation [-]
-ROUNDING = 1e-3  # a component that is none [-]
+ROUNDING = 1e-3  # a component below this is zero [-]
 WITHIN = 0.4  # distance of an object that is tried, over how far the finger reaches towards it [-]
 
 

@@ -19,9 +19,11 @@ from rom.rod.compiled.motion import Stepped, at_rest, inertia_struct, step
 from rom.rod.compiled.touched import touches
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.touched_rod import TouchedRod
+from rom.rod.weight import DENSEST
 
 HALVINGS = 8  # of a step that finds no answer
 ROUNDING = 1e-12  # of a step's length
+SHORTEST = 1e-9  # step, in which rounding makes velocities of some mm/s [s]
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
@@ -80,16 +82,21 @@ class MovingFinger:
         refuse_chambers(model.rod.scene, "motion")
         weight = model.rod.scene.get("gravity") or {}
         density, plate_density = density or weight.get("density"), plate_density or weight.get("plate_density", 7850.0)
-        if density is None or not density > 0 or not plate_density > 0:
-            raise ModelError(f"density must be above 0 [kg/m^3], as the scene has no [gravity], got {density}")
+        if density is None:
+            raise ModelError("density must be given [kg/m^3], as the scene has no [gravity], got none")
+        for name, value in (("density", density), ("plate_density", plate_density)):
+            if not 0 < value <= DENSEST:
+                raise ModelError(f"{name} must be above 0 and at most {DENSEST:g} kg/m^3, got {value}")
         if not 0 <= radius <= 1:
             raise ModelError(f"radius must be from 0 to 1, got {radius}")
+        if not isinstance(parts, int) or parts < 1:
+            raise ModelError(f"parts must be an integer of at least 1, got {parts}")
         model = replace(model, rod=replace(model.rod, parts=parts))
         self.model, self.radius, self.time = model, radius, 0.0
         self.lumps = lumps_of(model.rod, density, plate_density)
         self._t = len(model.rod.names)
         self._compile()
-        self._point = np.array(parameters, float)
+        self._point = self._checked(parameters)
         begun = touches(model.touching, self._point[None])
         if not begun.inside[0]:
             raise ModelError(f"parameters must be where the finger can rest, got {self._point.tolist()}")
@@ -109,22 +116,53 @@ class MovingFinger:
         vars(self).update(state)
         self._compile()
 
+    def _checked(self, parameters: ArrayLike) -> np.ndarray:
+        point = self.model.checked(parameters, most=1)
+        if np.isnan(point).any() or np.isinf(point[: self._t]).any():
+            raise ModelError(f"parameters must be numbers {', '.join(self.model.names)}, got {point.tolist()}")
+        return point
+
     def step(self, parameters: ArrayLike, length: float) -> MotionState:
-        """A step of time [s] to tensions [N] and d [m], which change linearly in it; without an answer it is halved."""
-        goal, begun, point = np.array(parameters, float), self.time, self._point
-        found, ahead = None, length
+        """A step of time, in which tensions and distances change linearly; without an answer it is halved.
+
+        Args:
+            parameters: at its end, tensions [N] and d [m]; infinite where an object is away, shape (t + m,).
+            length: [s].
+
+        Raises:
+            ModelError: parameters of another number or that are no numbers, or a length below 1 ns.
+        """
+        goal = self._checked(parameters)
+        if not SHORTEST <= length < np.inf:
+            raise ModelError(f"length must be at least {SHORTEST:g} s, and finite, got {length}")
+        begun, kept = self.time, (self.time, self._moving, self._loads)
+        found, ahead, inside = None, length, self._is_there(goal)
         while self.time < begun + length * (1 - ROUNDING):
             ahead = min(ahead, begun + length - self.time)
-            left = 1 - (self.time + ahead - begun) / length  # of the way [-]
-            now = self._advance(goal - left * (goal - point) if left > ROUNDING else goal, ahead)
+            now = self._advance(self._between(goal, (self.time + ahead - begun) / length), ahead)
             if now is None:
                 ahead /= 2
                 if ahead < length / 2**HALVINGS:
+                    self.time, self._moving, self._loads = kept
                     return self._report(None)
                 continue
-            found, self.time = now, self.time + ahead
+            found, self.time, inside = now, self.time + ahead, inside and now.inside
         self._point = goal
-        return self._report(found)
+        return self._report(found._replace(inside=inside) if found else None)
+
+    def _is_there(self, goal: np.ndarray) -> bool:
+        """Whether objects are where they may be, or away."""
+        lower, upper = (end[self._t :] for end in self.model.limits)
+        d = goal[self._t :]
+        return bool(((d == np.inf) | ((d >= lower) & (d <= upper))).all())
+
+    def _between(self, goal: np.ndarray, share: float) -> np.ndarray:
+        """Parameters at a share of the step [-]; an object that comes from away, or goes there, is there at once."""
+        left = 1 - share
+        if left <= ROUNDING:
+            return goal
+        both = np.isfinite(goal) & np.isfinite(self._point)
+        return np.where(both, goal - left * np.where(both, goal - self._point, 0.0), goal)
 
     def _advance(self, point: np.ndarray, length: float) -> Stepped | None:
         found = step(

@@ -153,11 +153,52 @@ def test_what_is_beyond_the_training_is_marked(finger):
     assert one.step([150.0, 0.0, AWAY], 1e-3).status == "out_of_domain"
 
 
+def test_a_step_that_finds_no_answer_leaves_all_as_it_was(finger):
+    one, other = moving(finger), moving(finger)
+    failed = one.step([10.0, 0.0, -0.02], 1e-3)  # the plane is in the finger at once
+    assert failed.status in ("no_equilibrium", "out_of_domain")
+    if failed.status == "no_equilibrium":
+        assert failed.time == 0.0 and np.isnan(failed.tip).all()
+        assert one.step([1.0, 0.0, AWAY], 1e-3).tip == pytest.approx(other.step([1.0, 0.0, AWAY], 1e-3).tip, abs=1e-15)
+
+
+def test_an_object_may_come_from_away_and_go_there(finger):
+    one = moving(finger, (5.0, 0.0, np.inf))
+    states = [one.step([5.0, 0.0, d], 1e-3) for d in (np.inf, 0.02, np.inf)]
+    assert [state.status for state in states] == ["converged"] * 3 and np.isfinite(
+        [state.tip for state in states]
+    ).all()
+    assert one.step([5.0, 0.0, 1.0], 1e-3).status == "out_of_domain"  # farther than it may be
+
+
+@pytest.mark.parametrize(
+    ("point", "length", "message"),
+    [
+        ([np.nan, 0.0, AWAY], 1e-3, "must be numbers F1, F2, d, got"),
+        ([1.0, 0.0, np.nan], 1e-3, "must be numbers F1, F2, d, got"),
+        ([np.inf, 0.0, AWAY], 1e-3, "must be numbers F1, F2, d, got"),
+        ([1.0, 0.0], 1e-3, "in that order"),
+        ([1.0, 0.0, AWAY], 0.0, "length must be at least 1e-09 s"),
+        ([1.0, 0.0, AWAY], -1e-3, "length must be at least 1e-09 s"),
+        ([1.0, 0.0, AWAY], np.nan, "length must be at least 1e-09 s"),
+        ([1.0, 0.0, AWAY], np.inf, "length must be at least 1e-09 s"),
+    ],
+)
+def test_a_step_of_no_numbers_or_no_length_is_refused(finger, point, length, message):
+    with pytest.raises(ModelError, match=message):
+        moving(finger).step(point, length)
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ({"density": None}, "density must be above 0"),
+        ({"density": None}, "density must be given"),
         ({"density": -1.0}, "density must be above 0"),
+        ({"density": np.inf}, "density must be above 0 and at most"),
+        ({"plate_density": np.nan}, "plate_density must be above 0"),
+        ({"radius": np.nan}, "radius must be from 0 to 1"),
+        ({"parts": 0}, "parts must be an integer of at least 1, got 0"),
+        ({"point": [1.0, 0.0]}, "in that order"),
         ({"radius": 1.1}, "radius must be from 0 to 1"),
         ({"point": [300.0, 0.0, AWAY]}, "parameters must be where the finger can rest"),
         ({"parts": 6}, "must have fewer sections, got 20"),
