@@ -27,7 +27,7 @@ ROUGH = 1e-4  # as SETTLED, while the noise changes [-]
 LEAST_REDUNDANCY = 3.0  # below that the noise of a quantity is not estimated, but assumed [-]
 LEAST_NOISE = 1e-3  # over the first guess: below that the model's own error is larger [-]
 NOTHING = 1e-16  # cost of a fit without residuals [-]
-LEAST, LARGEST = 1e-9, 1e6  # damping that a step without decrease begins with; where rounding lets none decrease [-]
+LEAST, LARGEST = 1e-9, 1e6  # first damping after a step without decrease; damping at which the fit stops [-]
 RANK = 1e-9  # singular values of A below this share of the largest are zero [-]
 
 

@@ -19,7 +19,7 @@ from rom.rod.rod import Rod
 
 EVEN = np.sqrt(12.0)  # range over the standard deviation of an even distribution on it [-]
 ITERATIONS = 40  # most evaluations from one start
-# a residual of 0.03 standard deviations is none; steps end at 0.3 % of a range and of the cost
+# a residual below 0.03 standard deviations counts as zero; steps end at 0.3 % of a range and of the cost
 RULES = Rules(residual=0.03, longest=0.4, step=3e-3, nearest=1.0, null_space_iterations=0, iterations=ITERATIONS)
 
 

@@ -322,10 +322,10 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
                              double *corners);
 
 /* Mass of plates and sections, in the order of `fingerfem_chain_loads`: masses, (bodies) [kg], first moments, (bodies, 3) [kg m], and
- * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. Besides, of the element between each and the
- * next one towards the clamp, by motions of both in the frame between them: (bodies, 12, 12), symmetric. */
+ * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. The symmetric
+ * mass matrices of the elements, (bodies, 12, 12), add to both bodies of each: by their motions in the frame between them. */
 typedef struct {
-    const double *masses, *moments, *inertias, *between;
+    const double *masses, *moments, *inertias, *elements;
 } fingerfem_inertia;
 
 /* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity and acceleration of the centre in

@@ -47,7 +47,7 @@ typedef struct {
 typedef struct {
     placed at;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
-    double pressed[CHAIN_WRENCH]; /* of the wrenches what contacts must bear: all but inertia's */
+    double pressed[CHAIN_WRENCH]; /* wrenches minus the inertial ones: those that contact must transmit */
     chain_matrix following, soft, yielding;
     chain_matrix mass; /* in a step of time */
 } contact_state;

@@ -56,7 +56,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
     const objects_contacts *contacts = &state->at.contacts;
     const int w = contact_size(problem);
     double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
-    /* what contacts must bear, w - I, with the inertial wrenches I */
+    /* the wrenches that contact must transmit, w - I, with the inertial wrenches I */
     memcpy(state->pressed, state->wrench, (size_t)w * sizeof *state->wrench);
     if (problem->step) inertia_mass(problem, &state->at.chain, state->mass);
     if (problem->step) inertia_wrenches(problem, &state->at.chain, state->mass, target);

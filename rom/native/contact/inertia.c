@@ -72,7 +72,7 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
     }
 }
 
-void inertia_leave_contact(const contact_step *step, const double *change, double *moving)
+void inertia_subtract_contact(const contact_step *step, const double *change, double *moving)
 {
     const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
     /* with change = r / M: a -= change / (2 beta), v' likewise, v += h change - gamma h change / (2 beta); those of the centre in space */
@@ -147,7 +147,7 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         /* lumps: (m, -s x; s x, J) */
         const int load = chain_load_of(problem->map, b), before = b && problem->map->bodies[b - 1].segment != CHAIN_GROUND;
-        const double *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load, *K = inertia->between + 4 * W * W * load;
+        const double *s = inertia->moments + 3 * load, *J = inertia->inertias + 9 * load, *K = inertia->elements + 4 * W * W * load;
         for (int i = 0; i < 3; i++) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             rows[i][W * b + i] += inertia->masses[load];

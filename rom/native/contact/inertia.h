@@ -6,7 +6,7 @@
 /* Numbers of the method for a spectral radius at infinite frequency, 0 to 1 (Chung and Hulbert 1993). */
 void inertia_method(double radius, contact_step *step);
 
-/* How a body moves at the step's end where it is there, (FINGERFEM_MOVING), by inertia alone. */
+/* Motion of a body at the step's end, (FINGERFEM_MOVING), from its pose there, as if no contact acted. */
 void inertia_moving(const contact_step *step, const double *begun, const chain_body *body, double *moving);
 
 /* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. */
@@ -15,13 +15,13 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
 /* Kinetic energy of all bodies [J], which move so, (bodies, FINGERFEM_MOVING). */
 double inertia_energy(const contact_problem *problem, const double *moving, const chain_matrix mass);
 
-/* Inertial wrenches on all bodies where they are, (6 bodies) [N, N m]; and add their change with the motions of the bodies, (6 bodies, 6
- * bodies), to another. */
+/* Inertial wrenches on all bodies at their poses, (6 bodies) [N, N m]; the second function adds their derivative by the bodies'
+ * motions, (6 bodies, 6 bodies), to a matrix. */
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found);
 void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following);
 
-/* From the motion that `inertia_moving` takes for one by inertia alone, take what contact gave, r / M, (6) in the body's frame. */
-void inertia_leave_contact(const contact_step *step, const double *change, double *moving);
+/* Subtract the acceleration by contact, r / M, (6) in the body's frame, from a motion of `inertia_moving`. */
+void inertia_subtract_contact(const contact_step *step, const double *change, double *moving);
 
 /* Add a change of velocity, (6), in the body's frame; and the velocity along a unit force's wrench, (6). */
 void inertia_add_velocity(const double *change, double *moving);

@@ -53,7 +53,7 @@ static int accelerated(const contact_problem *problem, const contact_state *stat
     return count && !small_solve(size, system, 1 + count, found) ? -1 : count;
 }
 
-/* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, where several on one body share what one would do. */
+/* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, with a small diagonal term, so that contacts of one normal share a force. */
 static void stop(const contact_problem *problem, const contact_state *state, int count, const int *rows, const double *changes, double *moving)
 {
     double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
@@ -127,7 +127,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
-    /* what contact gives */
+    /* accelerations by contact */
     int rows[FINGERFEM_MOST_CONTACTS];
     double changes[CHAIN_WRENCH * (1 + FINGERFEM_MOST_CONTACTS)];
     const int count = accelerated(&problem, &state, rows, changes);
@@ -140,7 +140,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
         memcpy(begun, own, sizeof begun);
         inertia_moving(&step, begun, state.at.chain.bodies + b, own);
         for (int i = 0; i < W; i++) change[i] = changes[(1 + count) * (W * b + i)];
-        inertia_leave_contact(&step, change, own);
+        inertia_subtract_contact(&step, change, own);
     }
     stop(&problem, &state, count, rows, changes, moving);
     *energy = inertia_energy(&problem, moving, state.mass);

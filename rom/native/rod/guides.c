@@ -21,7 +21,7 @@
 
 enum { T = TENSIONS_MOST };
 
-#define STILL 1e-12    /* change of a wound shortening that is none [m] */
+#define STILL 1e-12    /* change of a wound shortening below which it counts as zero [m] */
 #define SOFTER 3.0     /* a slip changes a trial tension by its stiffness over this: with less, moves alternate in wide increments [-] */
 
 static int elements_of(const fingerfem_chain *chain)

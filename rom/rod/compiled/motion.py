@@ -34,9 +34,9 @@ class Stepped(NamedTuple):
     evaluations: int
 
 
-def inertia_struct(masses: np.ndarray, moments: np.ndarray, inertias: np.ndarray, between: np.ndarray) -> Any:
+def inertia_struct(masses: np.ndarray, moments: np.ndarray, inertias: np.ndarray, elements: np.ndarray) -> Any:
     """A struct fingerfem_inertia, see `rom.rod.motion.lumps.Lumps`."""
-    return LIBRARY.struct("fingerfem_inertia", masses=masses, moments=moments, inertias=inertias, between=between)
+    return LIBRARY.struct("fingerfem_inertia", masses=masses, moments=moments, inertias=inertias, elements=elements)
 
 
 def at_rest(compiled: Any, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:

@@ -27,14 +27,14 @@ class Lumps(NamedTuple):
         masses: shape (n,) [kg].
         moments: first moments about the bodies' centres, in their frames, shape (n, 3) [kg m].
         inertias: likewise moments of inertia, shape (n, 3, 3) [kg m^2].
-        between: of the element between each body and the next towards the clamp, besides: by translations and turns of
-            both in the frame between them, shape (n, 12, 12) [kg, kg m, kg m^2].
+        elements: corrections of the mass matrix, one for the element between each body and the next towards the clamp, by
+            translations and turns of both in the frame between them, shape (n, 12, 12) [kg, kg m, kg m^2].
     """
 
     masses: np.ndarray
     moments: np.ndarray
     inertias: np.ndarray
-    between: np.ndarray
+    elements: np.ndarray
 
 
 def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
@@ -46,7 +46,7 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
         return _prism(of * length * whole * size**2, length, squares * size**2, begin)
 
     plates, sections = list[np.ndarray](), list[np.ndarray]()
-    first, others = list[np.ndarray](), list[np.ndarray]()  # masses between sections: of plates, of other elements
+    first, others = list[np.ndarray](), list[np.ndarray]()  # mass matrices of elements at plates, of the others
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
         half, begins = segment.half_lengths[0], [segment.half_lengths[0], *[0.0] * (len(own) - 1)]
         bodies = [bar(plate_density, 2 * half, own[0].ends[0], -half)]
@@ -62,7 +62,7 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
             length, size = piece.length - behind, sum(piece.ends) / 2
             mass = density * length * whole * sum(one**2 for one in piece.ends) / 2
             arms = behind, ahead if k == len(own) - 1 else 0.0
-            masses.append(_between(mass, length, squares * size**2, shear, arms))
+            masses.append(_element_mass(mass, length, squares * size**2, shear, arms))
         first.append(masses[0])
         others += masses[1:]
         if plates:  # rubber at the segment's clamp moves with the plate before, of which it lies in front
@@ -84,8 +84,10 @@ def _prism(mass: float, length: float, squares: np.ndarray, begin: float) -> np.
     return np.concatenate([[mass], [mass * middle, 0, 0], mass * np.diag([y + z, along + z, along + y]).ravel()])
 
 
-def _between(mass: float, length: float, squares: np.ndarray, shear: float, arms: tuple[float, float]) -> np.ndarray:
-    """What an element's mass is besides that of its halves, by its distal, then its proximal body, shape (12, 12).
+def _element_mass(
+    mass: float, length: float, squares: np.ndarray, shear: float, arms: tuple[float, float]
+) -> np.ndarray:
+    """Consistent mass matrix of an element minus that of its halves, by distal, then proximal body, shape (12, 12).
 
     Args:
         mass: of its rubber [kg].

@@ -135,28 +135,28 @@ class MovingFinger:
         goal = self._checked(parameters)
         if not SHORTEST <= length < np.inf:
             raise ModelError(f"length must be at least {SHORTEST:g} s, and finite, got {length}")
-        begun, kept = self.time, (self.time, self._moving, self._loads)
-        found, ahead, inside = None, length, self._is_there(goal)
+        begun, before = self.time, (self.time, self._moving, self._loads)
+        found, ahead, inside = None, length, self._objects_in_range(goal)
         while self.time < begun + length * (1 - ROUNDING):
             ahead = min(ahead, begun + length - self.time)
-            now = self._advance(self._between(goal, (self.time + ahead - begun) / length), ahead)
+            now = self._advance(self._parameters_at(goal, (self.time + ahead - begun) / length), ahead)
             if now is None:
                 ahead /= 2
                 if ahead < length / 2**HALVINGS:
-                    self.time, self._moving, self._loads = kept
+                    self.time, self._moving, self._loads = before
                     return self._report(None)
                 continue
             found, self.time, inside = now, self.time + ahead, inside and now.inside
         self._point = goal
         return self._report(found._replace(inside=inside) if found else None)
 
-    def _is_there(self, goal: np.ndarray) -> bool:
+    def _objects_in_range(self, goal: np.ndarray) -> bool:
         """Whether objects are where they may be, or away."""
         lower, upper = (end[self._t :] for end in self.model.limits)
         d = goal[self._t :]
         return bool(((d == np.inf) | ((d >= lower) & (d <= upper))).all())
 
-    def _between(self, goal: np.ndarray, share: float) -> np.ndarray:
+    def _parameters_at(self, goal: np.ndarray, share: float) -> np.ndarray:
         """Parameters at a share of the step [-]; an object that comes from away, or goes there, is there at once."""
         left = 1 - share
         if left <= ROUNDING:

@@ -45,10 +45,10 @@ def mass(one: MovingFinger) -> np.ndarray:
     """Of a straight finger of one segment."""
     n = len(one.lumps.masses)
     found = np.zeros((6 * n + 6,) * 2)
-    for b, (own, s, inertia, between) in enumerate(zip(*one.lumps, strict=True)):
+    for b, (own, s, inertia, element) in enumerate(zip(*one.lumps, strict=True)):
         arm = np.cross(np.eye(3), s)  # rows e x s, so that arm v = s x v
         found[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] += np.block([[own * np.eye(3), arm.T], [arm, inertia]])
-        found[6 * b : 6 * b + 12, 6 * b : 6 * b + 12] += between
+        found[6 * b : 6 * b + 12, 6 * b : 6 * b + 12] += element
     return found[: 6 * n, : 6 * n]  # the clamp does not move
 
 
