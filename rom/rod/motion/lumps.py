@@ -27,7 +27,7 @@ class Lumps(NamedTuple):
         masses: shape (n,) [kg].
         moments: first moments about the bodies' centres, in their frames, shape (n, 3) [kg m].
         inertias: likewise moments of inertia, shape (n, 3, 3) [kg m^2].
-        elements: corrections of the mass matrix, one for the element between each body and the next towards the clamp, by
+        elements: corrections of the mass matrix, of the element between each body and the next towards the clamp: by
             translations and turns of both in the frame between them, shape (n, 12, 12) [kg, kg m, kg m^2].
     """
 
