@@ -21,7 +21,7 @@ class Closed(ParametricModel):
         return [*tensions, Parameter("d", "m", 0.01, 0.03)]
 
     def value_and_jacobian(self, parameters):
-        tensions = self._checked(parameters, 1)[:-1]
+        tensions = self.checked(parameters, 1)[:-1]
         value, jacobian = np.zeros(5), np.zeros((5, len(tensions) + 1))
         value[TOUCH] = self.slopes @ tensions + self.curve * tensions[0] ** 2
         jacobian[TOUCH, :-1] = self.slopes
@@ -47,14 +47,14 @@ def test_the_leading_tension_is_that_of_the_middle_of_the_ranges():
 
 def test_points_are_checked_by_their_numbers_and_shape():
     model = Closed([1.0, 2.0])
-    assert model._checked([[1, 2, 3]] * 4).shape == (4, 3) and model._checked((1, 2, 3)).dtype == float
-    assert model._checked(np.asfortranarray(np.ones((3, 3)))).flags.c_contiguous
+    assert model.checked([[1, 2, 3]] * 4).shape == (4, 3) and model.checked((1, 2, 3)).dtype == float
+    assert model.checked(np.asfortranarray(np.ones((3, 3)))).flags.c_contiguous
     with pytest.raises(ModelError, match=r"parameters must be F1, F2, d \(in that order\), got shape \(1, 3\)"):
         model.jacobian([[1, 2, 3]])
     with pytest.raises(ModelError, match=r"got shape \(2, 2, 3\)"):
-        model._checked(np.zeros((2, 2, 3)))
+        model.checked(np.zeros((2, 2, 3)))
     for wrong in ("five", [1, 2, "x"], [1, [2], 3], None):
         with pytest.raises(ModelError, match="parameters must be"):
-            model._checked(wrong)
+            model.checked(wrong)
     with pytest.raises(ModelError, match="must be numbers, one for each of F1, F2, d, got 'five'"):
-        model._checked("five")
+        model.checked("five")
