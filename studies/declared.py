@@ -31,7 +31,7 @@ STUDIES = {
     "rods": Study("accuracy", _same("accuracy", "objects")),
     "rubber": Study("accuracy", _same("indentation", "random_objects", "robustness")),
     "several": Study("accuracy", _same("several", "histories")),
-    "guides": Study("accuracy", _same("histories")),
+    "guides": Study("accuracy", _same("histories", "friction")),
     "feeling": Study("accuracy", {"states": "full_order:states", "feeling": "feeling"}),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "calibration": Study("accuracy", _same("calibrated")),
