@@ -81,9 +81,10 @@ class SerialBridge:
 
     def forward(self, wait: float = 0.0) -> int:
         """Forward all that is there; wait at most `wait` [s] for the first. Returns the number of datagrams."""
-        ready, _, _ = select.select([self._line, self._socket], [], [], wait)
-        count = self._from_line() if self._line in ready else 0
-        return count + self._from_socket() if self._socket in ready else count
+        line, datagrams = self._line.fileno(), self._socket.fileno()
+        ready, _, _ = select.select([line, datagrams], [], [], wait)
+        count = self._from_line() if line in ready else 0
+        return count + self._from_socket() if datagrams in ready else count
 
     def _from_line(self) -> int:
         """Send the datagrams of all frames that are whole; what is begun stays."""
@@ -92,8 +93,9 @@ class SerialBridge:
         found = [datagram_of(one) for one in frames]
         datagrams = [one for one in found if one is not None]
         self.broken += len(found) - len(datagrams)
-        for one in datagrams if self._peer else ():
-            self._socket.sendto(one, self._peer)
+        if self._peer is not None:
+            for one in datagrams:
+                self._socket.sendto(one, self._peer)
         return len(datagrams)
 
     def _from_socket(self) -> int:
