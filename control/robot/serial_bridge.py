@@ -23,9 +23,11 @@ class Line(Protocol):
 
     def fileno(self) -> int:
         """The file descriptor."""
+        ...
 
     def write(self, data: bytes, /) -> int | None:
         """Write all bytes."""
+        ...
 
 
 def framed(datagram: bytes) -> bytes:
@@ -92,8 +94,9 @@ class SerialBridge:
         found = [datagram_of(one) for one in frames]
         datagrams = [one for one in found if one is not None]
         self.broken += len(found) - len(datagrams)
-        for one in datagrams if self._peer else ():
-            self._socket.sendto(one, self._peer)
+        if self._peer:
+            for one in datagrams:
+                self._socket.sendto(one, self._peer)
         return len(datagrams)
 
     def _from_socket(self) -> int:
