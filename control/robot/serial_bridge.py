@@ -83,9 +83,10 @@ class SerialBridge:
 
     def forward(self, wait: float = 0.0) -> int:
         """Forward all that is there; wait at most `wait` [s] for the first. Returns the number of datagrams."""
-        ready, _, _ = select.select([self._line, self._socket], [], [], wait)
-        count = self._from_line() if self._line in ready else 0
-        return count + self._from_socket() if self._socket in ready else count
+        line, own = self._line.fileno(), self._socket.fileno()
+        ready, _, _ = select.select([line, own], [], [], wait)
+        count = self._from_line() if line in ready else 0
+        return count + self._from_socket() if own in ready else count
 
     def _from_line(self) -> int:
         """Send the datagrams of all frames that are whole; what is begun stays."""
