@@ -115,9 +115,10 @@ def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
     for name, other, its_half, gap in blocks:
         away = float((np.abs(centre - other) - half - its_half).max())
         if away < gap - scene.outline.tolerance:
+            got = f"{away:g} m from" if away >= 0 else f"an overlap of {-away:g} m with"
             raise ValueError(
                 f"chambers.{k}.centre must be such that no channel, straight tendon or other chamber meets it "
-                f"(at least {gap:g} m away), got {away:g} m from {name}"
+                f"(at least {gap:g} m away), got {got} {name}"
             )
 
 
