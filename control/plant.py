@@ -220,20 +220,3 @@ class Dead:
         """See Plant."""
         felt, self._pulls = self._plant.pull(tensions), self._pulls + 1
         return float("nan") if self._begin < self._pulls <= self._end else felt
-
-
-class Stale:
-    """A finger whose sensor repeats its last reading during some pulls, and says how old it is."""
-
-    def __init__(self, plant: Plant, begin: int, end: float = np.inf, period: float = 1e-3):
-        self._plant, self._begin, self._end, self._period = plant, begin, end, period
-        self._pulls, self._felt, self.age = 0, 0.0, 0.0
-
-    def pull(self, tensions: ArrayLike) -> float:
-        """See Plant."""
-        felt, self._pulls = self._plant.pull(tensions), self._pulls + 1
-        if self._begin < self._pulls <= self._end:
-            self.age += self._period
-        else:
-            self._felt, self.age = felt, age_of(self._plant)
-        return self._felt

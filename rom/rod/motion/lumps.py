@@ -1,9 +1,8 @@
 """The mass of a finger at its plates and sections.
 
-The rubber within half an element of a section moves with it as a rigid body. What that misses of the element's own
-motion is a mass between its sections: the consistent mass of a beam that bends and shears (Przemieniecki, Theory of
-Matrix Structural Analysis, 1968, 11.6) less that of both halves. A few long elements then have the first frequencies
-of many.
+The rubber within half an element of a section moves with it as a rigid body. A correction between both sections makes
+this the consistent mass of a beam that bends and shears (Przemieniecki, Theory of Matrix Structural Analysis, 1968,
+11.6). A few long elements then have the first frequencies of many.
 """
 
 from __future__ import annotations
