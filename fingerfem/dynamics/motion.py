@@ -1,4 +1,4 @@
-"""What a motion is: loads as functions of time, how the base moves, and with which steps; read from a TOML file."""
+"""A motion, read from a TOML file: loads as functions of time, the base's motion, and steps."""
 
 from __future__ import annotations
 
@@ -69,17 +69,17 @@ class Motion:
 
     @property
     def base_moves(self) -> bool:
-        """Whether it does."""
+        """Whether the motion has signals of the base."""
         return any(name in self.signals for name in BASE)
 
     def base(self, time: float, after: bool) -> BaseMotion:
-        """How the base moves."""
+        """Motion of the base at a time [s]."""
         values = [self._value(name, time, after) for name in BASE]
         rates = [self.signals[name].slope(time, after) if name in self.signals else 0.0 for name in BASE[3:]]
         return BaseMotion(np.array(values[:3]), np.array(values[3:]), np.array(rates))
 
     def jumps(self, time: float) -> bool:
-        """Whether a load or the base's acceleration does."""
+        """Whether a load or the base's acceleration jumps at a time [s]."""
         before, now = (
             np.concatenate([self.loads(time, after)[0], [self._value("d", time, after)], *self.base(time, after)])
             for after in (False, True)

@@ -34,11 +34,11 @@ Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class MotionState:
-    """Where a finger is and how it moves, seen from its base.
+    """Position and velocity of a finger at the end of a step, seen from its base.
 
     Attributes:
-        status: `out_of_domain` where the elements were not trained; `no_equilibrium` where a step found no answer
-            however short it was: then all stays as it was before the step, and numbers are nan.
+        status: `out_of_domain` where the elements were not trained; `no_equilibrium` if the step has no solution,
+            however short: then the finger keeps its state from before the step, and numbers are nan.
         time: [s].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         velocity: of the tip plate's centre, shape (3,) [m/s].
@@ -64,7 +64,7 @@ class MovingFinger:
         density: of the rubber [kg/m^3]; that of [gravity] if left out.
         plate_density: likewise of the plates.
         radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 damps nothing.
-        parts: into which interior elements are cut: more of them move the higher frequencies less.
+        parts: into which interior elements are cut; more of them have more exact higher frequencies.
 
     Raises:
         ModelError: no density, no equilibrium to begin with, or more sections than compiled code holds.
@@ -138,7 +138,7 @@ class MovingFinger:
     def step(
         self, parameters: ArrayLike, length: float, base: BaseMotion | None = None, at_rest: bool = False
     ) -> MotionState:
-        """A step of time, in which parameters and the base's motion change linearly; without an answer it is halved.
+        """A step of time, in which parameters and the base's motion change linearly; without a solution it is halved.
 
         Args:
             parameters: at its end, tensions [N] and d [m]; infinite where an object is away, shape (t + m,).
@@ -147,7 +147,7 @@ class MovingFinger:
             at_rest: whether the step has no inertia and ends at rest, as long steps of creep should.
 
         Raises:
-            ModelError: parameters of another number or that are no numbers, or a length below 1 ns.
+            ModelError: another number of parameters, parameters that are not numbers, or a length below 1 ns.
         """
         goal = self._checked(parameters)
         if not SHORTEST <= length < np.inf:
@@ -190,7 +190,7 @@ class MovingFinger:
         return np.asarray(1 / (2 * np.pi * np.sqrt(squares[::-1][:count])))
 
     def _objects_in_range(self, goal: np.ndarray) -> bool:
-        """Whether objects are where they may be, or away."""
+        """Whether objects are within their distances, or away."""
         given = zip(goal[self._t :].tolist(), self._ranges, strict=True)
         return all(d == np.inf or nearest <= d <= farthest for d, (nearest, farthest) in given)
 
