@@ -9,6 +9,7 @@ import numpy as np
 from control.least_squares import Rules, minimise
 from control.motion import Limits
 from control.outcomes import listed
+from control.tracking.linearised import Linearised
 from control.tracking.options import TrackingOptions
 from rom.brief import brief
 from rom.rod.touched_segment import TouchedSegment
@@ -29,7 +30,7 @@ class Plan(NamedTuple):
         contact_forces: of the object at rest, shape (n,) [N].
         gains: changes of tension by changes of the tip without contact, shape (n, t, 2) [N/m].
         motions: the reverse, shape (n, 2, t) [m/N].
-        shares: motions of the free tip by a share of more load, and of less inertia, shape (n, 2, 2) [m].
+        shares: motions of the free tip by a share of more load, and of inertia and damping, shape (n, 2, 2) [m].
         reason: why the path is refused, in one line; empty if it is not.
     """
 
@@ -42,19 +43,23 @@ class Plan(NamedTuple):
     reason: str
 
 
-def accelerations(path: np.ndarray, period: float) -> np.ndarray:
-    """Second differences of rows, shape (n, 2) [m/s^2]; the path rests before its first row, and goes on behind."""
+def differences(path: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and accelerations at rows, shapes (n, 2) [m/s, m/s^2], of a path that begins at rest and goes on."""
     longer = np.concatenate([path[:1], path, 2 * path[-1:] - path[-2:-1]])
-    return np.asarray(longer[2:] - 2 * longer[1:-1] + longer[:-2]) / period**2
+    ahead, behind = longer[2:] - path, path - longer[:-2]
+    return (ahead + behind) / (2 * period), (ahead - behind) / period**2
 
 
 def planned(
-    model: TouchedSegment, path: np.ndarray, inertia: np.ndarray, options: TrackingOptions, limits: Limits
+    model: TouchedSegment, path: np.ndarray, system: Linearised | None, options: TrackingOptions, limits: Limits
 ) -> Plan:
-    """A plan for rows of y and z, shape (n, 2) [m]; `inertia` as in `Linearised`, shape (2, 2) [s^2]."""
+    """A plan for rows of y and z, shape (n, 2) [m]; without a linearised system the tip rests at every row."""
     t = len(model.rod.names)
     bounds = limits.within(*(end[:t] for end in model.limits))
-    ahead = accelerations(path, options.period) @ inertia.T
+    ahead = np.zeros_like(path)
+    if system is not None:
+        velocities, accelerations = differences(path, options.period)
+        ahead = velocities @ system.damping.T + accelerations @ system.inertia.T
     goals = path + ahead
     tensions, missed = np.empty((len(path), t)), np.empty(len(path))
     start = pretension = _pretension(options.pretension, bounds)

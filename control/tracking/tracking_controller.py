@@ -69,7 +69,7 @@ class TrackingController:
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
         system = linearised(model, middle, own.density, own.period)
-        self.plan = planned(model, rows, system.inertia, own, self.limits)
+        self.plan = planned(model, rows, system, own, self.limits)
         self._system, self._filter = system, [tuple(row) for row in system.filter.tolist()]
         self._past = np.zeros(2), np.zeros(2)
         self._feedback = feedback(system, self.plan.shares, own.noise, own.drift * np.sqrt(own.period), own.effort)
