@@ -76,11 +76,10 @@ def planned(
     touching = forces > 0
     aside = np.where(touching[:, None], pressed.out[:, 1:3] + model.rod.rest[1:] - path, 0.0)
     normal = model.direction[1:]
-    tips = path + np.outer(aside @ normal, normal)
+    tips = path + np.outer(aside @ normal, normal) / max(float(normal @ normal), 1e-12)
     shares = np.stack([np.einsum("nkt,nt->nk", motions, tensions), ahead], axis=-1)
-    reason = _reason(
-        goals, tensions, missed, forces, pressed.inside, bounds, limits.rate * options.period, options.most_force
-    )
+    change = limits.rate * options.period
+    reason = _unreached(goals, missed, bounds) or _refused(tensions, forces, pressed.inside, change, options.most_force)
     return Plan(tensions, tips, forces, gains, motions, shares, reason)
 
 
@@ -105,7 +104,7 @@ def inverse(
 ) -> tuple[np.ndarray, float]:
     """Tensions, shape (t,) [N], by which the free tip rests at y and z, shape (2,) [m]; how far it misses these [m]."""
     t = len(start)
-    weight, away = CHOICE / (bounds[1] - bounds[0]), np.full(len(model.objects), np.inf)
+    weight, away = CHOICE / np.maximum(bounds[1] - bounds[0], 1e-9), np.full(len(model.objects), np.inf)
 
     def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         value, jacobian = model.value_and_jacobian(np.append(tensions, away))
@@ -116,32 +115,28 @@ def inverse(
     return found.x, float(np.linalg.norm(residual(found.x)[0][:2]))
 
 
-def _reason(
-    goals: np.ndarray,
-    tensions: np.ndarray,
-    missed: np.ndarray,
-    forces: np.ndarray,
-    inside: np.ndarray,
-    bounds: tuple[np.ndarray, np.ndarray],
-    change: float,
-    most_force: float,
-) -> str:
-    """Why a plan is refused, with its worst row."""
+def _unreached(goals: np.ndarray, missed: np.ndarray, bounds: tuple[np.ndarray, np.ndarray]) -> str:
+    """Why a plan is refused whose tensions miss their goals, by the worst row."""
     k = int(np.argmax(missed))
-    if not missed[k] <= TOLERANCE:
-        within = f"tensions from {listed(bounds[0])} to {listed(bounds[1])} N"
-        return (
-            f"path row {k} must be reached with its inertia, at {listed(goals[k])} m, by {within}, the nearest miss it "
-            f"by {missed[k]:.3g} m: move or slow the path"
-        )
+    if missed[k] <= TOLERANCE:
+        return ""
+    within = f"tensions from {listed(bounds[0])} to {listed(bounds[1])} N"
+    return (
+        f"path row {k} must be reached with its inertia, at {listed(goals[k])} m, by {within}, the nearest miss it "
+        f"by {missed[k]:.3g} m: move or slow the path"
+    )
+
+
+def _refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
+    """Why tensions that reach their goals are refused, by the worst row."""
     if not inside.all():
         k = int(np.argmin(inside))
         return (
             f"path row {k} must lie in the trained domain, its tensions {listed(tensions[k])} N do not: move the path"
         )
-    changes = np.abs(np.diff(tensions, axis=0)).max(axis=1, initial=0.0)
-    k = int(np.argmax(changes)) if len(changes) else 0
-    if len(changes) and changes[k] > change:
+    changes = np.abs(np.diff(tensions, axis=0)).max(axis=1)
+    k = int(np.argmax(changes))
+    if changes[k] > change:
         return (
             f"path row {k + 1} must be reached with limits.rate, by {change:g} N a period, but needs "
             f"{changes[k]:.3g} N: slow the path"

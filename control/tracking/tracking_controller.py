@@ -128,7 +128,7 @@ class TrackingController:
     def _observe(self, tip: np.ndarray, felt: float, age: float) -> None:
         """Correct the estimate by a reading of an earlier row."""
         row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
-        usable = bool(row >= self._at and np.isfinite(tip).all())
+        usable = bool(self._at <= row <= self.row and np.isfinite(tip).all())
         self._blind = 0 if usable else self._blind + 1
         self.status = "moving" if self._blind < PATIENCE else "sensor_failed"
         for k in range(self._at, row if usable else self.row - PATIENCE):
