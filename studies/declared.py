@@ -32,6 +32,7 @@ STUDIES = {
     "rubber": Study("accuracy", _same("indentation", "random_objects", "robustness")),
     "several": Study("accuracy", _same("several", "histories")),
     "guides": Study("accuracy", _same("histories", "friction")),
+    "tracking": Study("accuracy", _same("tracking")),
     "feeling": Study("accuracy", {"states": "full_order:states", "feeling": "feeling"}),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "calibration": Study("accuracy", _same("calibrated")),
