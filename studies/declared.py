@@ -33,6 +33,7 @@ STUDIES = {
     "several": Study("accuracy", _same("several", "histories")),
     "guides": Study("accuracy", _same("histories", "friction")),
     "motion": Study("accuracy", _same("motion")),
+    "tracking": Study("accuracy", _same("tracking")),
     "feeling": Study("accuracy", {"states": "full_order:states", "feeling": "feeling"}),
     "assembled": Study("accuracy", _same("four", "fingers")),
     "calibration": Study("accuracy", _same("calibrated")),
