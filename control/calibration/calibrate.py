@@ -32,14 +32,14 @@ NOISE = re.compile(r"\s*(\w+)\s*=\s*([0-9.eE+-]+)\s*(\S+)\s*")
 @brief
 @dataclass(frozen=True, kw_only=True)
 class CalibrationOptions:
-    """How a finger is calibrated.
+    """Options of a calibration.
 
     Attributes:
-        fit: what is fitted, of modulus, size, base, density, pulley_radius, friction; by default the modulus, and the
-            base where a position or an orientation was measured. Friction in the guides needs tensions or torques, and
-            the log's lines in the order in which the motors moved, from rest.
-        noise: standard deviations that are known, by quantity: position, shortening [m], orientation, angle [rad],
-            tension, torque, contact_force [-, relative]. Others are estimated by the residuals.
+        fit: parameters, of modulus, size, base, density, pulley_radius, friction; by default the modulus, and the
+            base if a position or an orientation was measured. Friction in the guides needs tensions or torques, and
+            the log's lines in the order of the motion, from rest.
+        noise: known standard deviations by quantity: position, shortening [m], orientation, angle [rad], tension,
+            torque, contact_force [-, relative]. Residuals estimate the others.
         pulley_radius: of the motors [m]; needed if torques or angles were logged.
         gravity: direction of the weight in the clamp's frame, of a finger whose scene has no [gravity], shape (3,) [-].
         ignored: names of the log's columns that are not read.
@@ -70,12 +70,12 @@ def calibrate(
 ) -> Calibration:
     """Fit a finger's parameters to a log.
 
-    All columns are measurements with noise, those of the motors, too. The tensions of every pose are further unknowns.
+    All columns have noise, also those of the motors. The tensions of every pose are further unknowns.
 
     Args:
         finger: its model file, or the finger before its plane; `d` of the log is that plane's.
         log: its CSV file, or the log.
-        options: see there.
+        options: see `CalibrationOptions`.
 
     Raises:
         ValueError: a log that cannot be fitted: one line with file, line, column, rule and value.
@@ -100,7 +100,7 @@ def calibrate(
 
 
 def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Measured:
-    """A log before a finger, with what is fitted."""
+    """A log and its finger, with the unknowns of the fit."""
     seen = any(map(log.has, ("x", "y", "z"))), log.has("qw") or log.has("rx")
     named = list(options.fit) or ["modulus", *(["base"] if any(seen) else [])]
     fitted = [part for name in dict.fromkeys(named) for part in NAMED[name]]

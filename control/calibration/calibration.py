@@ -52,7 +52,7 @@ class Estimate:
 
     @property
     def determined(self) -> bool:
-        """Whether the log determines it."""
+        """Whether the log determines the parameter."""
         return self.interval is not None
 
 
@@ -67,7 +67,7 @@ class Calibration:
         undetermined: combinations of parameters that the log does not determine, each with a remedy.
         noise: standard deviation of every quantity, estimated or given [m, rad], or relative [-].
         errors: sizes of the residuals by quantity: "fit" and "left_out" (leave-one-out), each with median, p95 and max.
-        warnings: one line each: outliers, asymmetry, hysteresis, another law.
+        warnings: one line for each outlier, asymmetry, hysteresis, or law that differs.
         poses: how many were used.
         measured, fit: the log before the finger, and the solution.
         rod: the calibrated finger; `save` writes it.
@@ -85,7 +85,7 @@ class Calibration:
     rod: Rod = field(repr=False)
 
     def value(self, name: str) -> float:
-        """Of a parameter, in SI units."""
+        """The value of a parameter, in SI units."""
         return next(one.value for one in self.parameters if one.name == name)
 
     def as_json(self) -> dict[str, Any]:
@@ -93,7 +93,7 @@ class Calibration:
         return dict(self.rod.calibration)
 
     def tables(self) -> list[Table | str]:
-        """For people."""
+        """Tables to print."""
         return calibration_tables(self.rod.calibration)
 
     def _repr_html_(self) -> str:
@@ -101,7 +101,7 @@ class Calibration:
 
 
 def calibrated(measured: Measured, found: Fit, warnings: Sequence[str]) -> Calibration:
-    """What a fit says."""
+    """The result of a fit, with intervals and errors."""
     unexplained = effects(measured, found)
     lacking = undetermined(measured, found)
     warned = [*warnings, *(one.line() for one in unexplained if one.significant)]

@@ -72,7 +72,7 @@ def _check_motors(measured: Measured, motor: str) -> None:
 
 
 def _check_movement(measured: Measured) -> None:
-    """What was measured moves about as much as the model does: otherwise a unit is wrong."""
+    """The measurements change about as much as the model's outputs: otherwise a unit is wrong."""
     none = np.zeros(len(measured.unknowns.names))
     sigma = {name: GROUPS[name][1] for name in measured.groups}
     tensions = first_tensions(measured, none, sigma)

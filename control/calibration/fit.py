@@ -98,8 +98,8 @@ def fit(measured: Measured, noise: Mapping[str, float], start: Fit | None = None
 
     Args:
         measured: the log before the finger.
-        noise: standard deviations that are known, by quantity; others are estimated. Where residuals exceed what is
-            known, they count: the model's own error is part of them.
+        noise: known standard deviations by quantity; others are estimated. Larger residuals replace known ones, as
+            they contain the model's own error.
         start: where to begin.
 
     Raises:
@@ -220,7 +220,7 @@ def _solution(
     inside: np.ndarray,
     estimated: tuple[str, ...] = (),
 ) -> Fit:
-    """What is known at the minimum."""
+    """The solution at the minimum, with its covariance."""
     spreads = measured.unknowns.spreads
     values, axes = _spectrum(normal, spreads)
     determined = values > DETERMINED**-2

@@ -1,7 +1,6 @@
-"""A finger whose tendons rub in their guides, along the poses of a log: what it would show, and derivatives.
+"""A finger with friction of its tendons, along the poses of a log: its outputs and their derivatives.
 
-The rows of a log are a history from rest. Between two poses tensions change along a straight line, without an object;
-that comes last.
+The rows of a log are a history from rest. Between two poses tensions change along a straight line, without the object.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ STEP = 0.05  # half width of central differences by a tension of the trained fin
 
 @brief
 class GuidedValues(NamedTuple):
-    """What a finger with t tendons shows in n poses, rows as in `control.calibration.scaled_finger.Outputs`.
+    """Outputs of a finger with t tendons in n poses, rows as in `control.calibration.scaled_finger.Outputs`.
 
     Attributes:
         values: shape (n, 7 + t), 0 for the turn.

@@ -1,4 +1,4 @@
-"""What a log measured against what a finger would show: residuals of all columns and their derivatives.
+"""Residuals of all columns of a log, a finger's output minus the measurement, and their derivatives.
 
 The tensions of every pose are unknowns, too: all columns are measurements with noise.
 """
@@ -109,7 +109,7 @@ class Measured:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """What the standard deviation of every measurement is proportional to, shape (n, m)."""
+        """Scales to which the standard deviations of measurements are proportional, shape (n, m)."""
         found = np.ones_like(self.given)
         for name in set(self.columns) & set(RELATIVE):
             own = [one == name for one in self.columns]
@@ -181,7 +181,7 @@ def _of_tendons(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, 
 
 
 def _position(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, values: dict[str, float]) -> Rows:
-    """Of the tip plate's centre, seen from the measuring frame: c + R p."""
+    """Position of the tip plate's centre, seen from the measuring frame: c + R p."""
     rows = range(3)
     vector = np.array([values[name] for name in TURN])
     base = Rotation.from_rotvec(vector).as_matrix()
@@ -214,7 +214,7 @@ def _orientation(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray,
 
 
 def _contact_force(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, values: dict[str, float]) -> Rows:
-    """Of the object."""
+    """Contact force of the object."""
     rows = [outputs.by_tension.shape[1] - 1]
     return outputs.contact_force[:, None], outputs.by_tension[:, rows], m.by_scales(outputs, rows)
 

@@ -36,7 +36,7 @@ class Scales(NamedTuple):
 
     @property
     def force(self) -> float:
-        """Of forces at equal shape [-]."""
+        """The scale of forces at equal shape [-]."""
         return self.modulus * self.size**2
 
 

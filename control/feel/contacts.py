@@ -30,7 +30,7 @@ REASONS = {
 
 
 class _Feeling:
-    """What is common to all unknowns."""
+    """The common part of both kinds of unknowns."""
 
     def __init__(self, unknowns: Unknowns, noise: Noise, begin: np.ndarray | None = None):
         self._unknowns, self._noise, self._begin = unknowns, noise, begin
@@ -113,9 +113,9 @@ class _Feeling:
 
 
 class KnownObjects(_Feeling):
-    """Objects of known shape and direction whose distances are unknown: these and the contact forces are estimated.
+    """Estimates distances and contact forces of objects with known shapes and directions.
 
-    `model.contact_forces` returns where the objects then press.
+    `model.contact_forces` returns the contact positions.
 
     Args:
         model: the finger before them, with m objects.
@@ -137,7 +137,7 @@ class KnownObjects(_Feeling):
 
 
 class UnknownForce(_Feeling):
-    """One force that presses across the finger, without friction, somewhere on its surface.
+    """Estimates one force across the finger, without friction, and its position along it.
 
     Its unknowns are `position`, along the axis at rest from the clamp [m], and `force_y` and `force_z`, along the axes
     of the cross-section there [N]: a force on the face at +y has a negative `force_y`. It neither

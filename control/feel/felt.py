@@ -1,4 +1,4 @@
-"""What is measured to feel a contact, with its noise, and what is felt."""
+"""Noise of the measurements behind a felt contact, and the estimate."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def usual(freedom: int) -> float:
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Noise:
-    """Standard deviations of what is measured; one for all tendons, or shape (tensions,).
+    """Standard deviations of the measurements; one for all tendons, or shape (tensions,).
 
     Attributes:
         shortening: [m].
@@ -38,7 +38,7 @@ class Noise:
     share: ArrayLike = 0.0
 
     def deviations(self, tensions: np.ndarray, model_error: float) -> tuple[np.ndarray, np.ndarray]:
-        """Of measured tensions [N] and shortenings [m], shapes (t,); the model's own error [m] counts as noise.
+        """Those of tensions [N] and shortenings [m], shapes (t,); the model's own error [m] counts as noise.
 
         Raises:
             ValueError: a deviation that is not finite and above 0.
@@ -65,14 +65,14 @@ class Felt:
         contact_forces: of the objects, shape (m,) [N]; empty where the force itself is unknown.
         force_covariance: of these, shape (m, m) [N^2].
         tensions: estimated, shape (t,) [N].
-        unseen: directions of the unknowns, in their own units, shape (u, k). One standard deviation of what
-            was expected along it changes the measurements by less than their noise.
-        chi_square: sum of squares of the deviations of what was measured, over their standard deviations [-].
+        unseen: directions of the unknowns, in their own units, shape (u, k). One standard deviation of the
+            expectation along such a direction changes the measurements by less than their noise.
+        chi_square: sum of squares of the measurements' deviations, over their standard deviations [-].
         freedom: measurements beyond the unknowns that are seen: the expected chi_square.
         status: converged, iteration_limit, or out_of_domain: the model is not trained there or has no equilibrium.
         iterations: evaluations of the model.
-        other: unknowns of another contact that fits the measurements too, shape (k,); None if none was found. Without a
-            hint several starts are tried, with one only if the contact near it is not consistent.
+        other: unknowns of another contact that fits the measurements too, shape (k,); None if none was found. Several
+            starts are tried; with a hint, only if the contact near it is not consistent.
         reason: why it is not converged; empty if it is.
     """
 
@@ -92,7 +92,7 @@ class Felt:
 
     @property
     def converged(self) -> bool:
-        """Whether it is an estimate."""
+        """Whether the values are an estimate."""
         return self.status == "converged"
 
     @property
@@ -107,7 +107,7 @@ class Felt:
 
     @property
     def consistent(self) -> bool:
-        """Whether chi_square is usual; if not, something else happens than the unknowns describe."""
+        """Whether chi_square is within its 99 % quantile; if not, the unknowns do not explain the measurements."""
         return self.chi_square <= usual(self.freedom)
 
     @property

@@ -26,7 +26,7 @@ RULES = Rules(residual=0.03, longest=0.4, step=3e-3, nearest=1.0, null_space_ite
 @brief
 @dataclass(frozen=True)
 class Unknowns:
-    """What of a contact is unknown.
+    """The unknowns of a contact.
 
     Attributes:
         names: of the k unknowns.
@@ -46,7 +46,7 @@ class Unknowns:
     def __post_init__(self) -> None:
         if not self.rod.struct.segments[0].sixes:
             raise ValueError("model must have laws of shortenings to feel a contact, got one without: train it again")
-        refuse_chambers(self.rod.scene, "what feels a contact")
+        refuse_chambers(self.rod.scene, "control.feel")
 
     @cached_property
     def felt(self) -> Any:

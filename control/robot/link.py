@@ -22,8 +22,8 @@ class Sample(NamedTuple):
 
     Attributes:
         reading: the newest so far; None if none has come.
-        status: "fresh" answers this period's command, "late" an earlier one; "held" is that of an earlier period, as
-            none came; "stopped" after too many of these.
+        status: "fresh" if it answers this period's command, "late" if an earlier one; "held" if none came, and the
+            reading is an earlier one; "stopped" after too many of these.
         age: periods since the command that the reading answers.
     """
 
@@ -34,7 +34,14 @@ class Sample(NamedTuple):
 
 @dataclass
 class Counts:
-    """Of datagrams and periods: readings that came late, after a newer one or twice, or were none; periods without."""
+    """Numbers of datagrams and periods.
+
+    Attributes:
+        late: readings that answered an earlier command.
+        overtaken: readings that came after a newer one, or twice.
+        refused: datagrams that were no readings.
+        missing: periods without a reading.
+    """
 
     late: int = 0
     overtaken: int = 0
@@ -46,10 +53,10 @@ class Link:
     """Commands to motors and readings from them. One instance has one socket; `close` it, or use it in a `with`.
 
     After `patience` periods in a row without a new reading it stops: the motors get the command to stop, in every
-    further period too, and no reading counts any more. `restart` begins anew.
+    further period too, until `restart`.
 
     Attributes:
-        counts: what has happened so far.
+        counts: numbers of datagrams and periods so far.
         stopped: whether it has stopped.
 
     Args:

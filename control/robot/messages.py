@@ -20,7 +20,7 @@ MODES = {"tension": TENSION, "position": POSITION}
 
 @brief
 class Command(NamedTuple):
-    """What motors are to do; values of t tendons, shape (t,) [N] or [m]."""
+    """A command to motors; values of t tendons, shape (t,) [N] or [m]."""
 
     number: int
     mode: int
@@ -29,7 +29,7 @@ class Command(NamedTuple):
 
 @brief
 class Reading(NamedTuple):
-    """What motors measured after command `number`: tensions [N], shortenings [m], shapes (t,), contact force [N]."""
+    """Measurements after command `number`: tensions [N], shortenings [m], shapes (t,), contact force [N]."""
 
     number: int
     tensions: np.ndarray

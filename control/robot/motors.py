@@ -17,7 +17,7 @@ from rom.rod.touched_segment import TouchedSegment
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Losses:
-    """What the network does to replies, by the number of the command.
+    """Losses and delays of replies on a network, by the number of the command.
 
     Attributes:
         lost: commands whose replies are lost.
@@ -79,7 +79,7 @@ class SimulatedMotors:
         self._socket.close()
 
     def serve(self, wait: float = 0.0) -> int:
-        """Obey and answer all commands that are there; wait at most `wait` [s] for the first. Returns their number."""
+        """Obey and answer all waiting commands; wait at most `wait` [s] for the first. Returns their number."""
         count = 0
         while True:
             self._socket.settimeout(wait if not count else 0.0)

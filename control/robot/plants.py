@@ -75,7 +75,7 @@ class ReplayedPlant:
         felt: contact force [N] of a reading; that of the log by default.
 
     Raises:
-        ValueError: a log that lacks what is read.
+        ValueError: a log that lacks a column that is read.
     """
 
     def __init__(self, log: Log, period: float = 1e-3, felt: Felt = measured_force):
@@ -93,7 +93,7 @@ class ReplayedPlant:
 
     @property
     def periods(self) -> int:
-        """How many periods the log lasts."""
+        """The log's length in periods."""
         return int(self._times[-1] / self._period + 1e-9) + 1
 
     def pull(self, tensions: ArrayLike) -> float:

@@ -171,10 +171,8 @@ class Problem(Assembly):
         """Tangent at u with the stress that was extrapolated last; the same matrix object every time."""
         return self._tangent.assemble()
 
-    def tangent_with(self, supports: list[fem.DirichletBC], *, volume_alone: bool = False) -> Tangent:
-        """The same with other supports; without contact and straight tendons where the volume alone is wanted."""
-        if volume_alone:
-            return Tangent(self._volume_tangent, None, self.space, supports)
+    def tangent_with(self, supports: list[fem.DirichletBC]) -> Tangent:
+        """The same with other supports."""
         springs = None if self.contact is None else self.contact.springs
         return Tangent(self._volume_tangent, self.forms.other_tangent, self.space, supports, springs)
 

@@ -1,4 +1,4 @@
-"""Where the energy of a motion goes: kinetic, elastic, contact; the work of loads and branches; and what is lost.
+"""The energy balance of a motion: kinetic, elastic, contact; the work of loads and branches; and what is lost.
 
 Works are added up step by step by the trapezoidal rule, which is exact to the method's own order. What the finger has
 more than it had at first, less the work of loads, is lost, with its sign: by the method's damping of high frequencies
@@ -50,7 +50,7 @@ class Balance:
 
 
 class Forces(NamedTuple):
-    """What does work, at one end of a step: tensions and pressures [N], [Pa]; nodal forces [N]; N of the obstacle."""
+    """Forces that do work at one end of a step: tensions and pressures [N], [Pa]; nodal ones [N]; N of the obstacle."""
 
     tensions: np.ndarray
     body: np.ndarray

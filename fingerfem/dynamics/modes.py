@@ -67,7 +67,7 @@ class ModalAnalysis:
         scene: with densities.
 
     Raises:
-        ValueError: the scene lacks what a motion needs.
+        ValueError: the scene has no densities, or contact by Nitsche's method.
 
     Example:
         >>> ModalAnalysis(load_scene("scenes/moving.toml")).solve([5.0, 0.0], count=4).frequencies
@@ -87,7 +87,7 @@ class ModalAnalysis:
             tensions: of tendons [N], then pressures [Pa], shape (actuators,).
             distance: of the obstacle [m]; None leaves it away.
             count: of modes.
-            instantaneous: viscoelastic branches are as stiff as at once; if not, they are relaxed.
+            instantaneous: viscoelastic branches have their instantaneous stiffness; by default they are relaxed.
 
         Raises:
             LoadNotReached: there is no equilibrium.
@@ -128,7 +128,7 @@ class ModalAnalysis:
         return self._modes(squares[order], shapes.T[order], stiffness, mass)
 
     def _modes(self, squares: np.ndarray, shapes: np.ndarray, stiffness: csr_matrix, mass: csr_matrix) -> Modes:
-        """What is reported of eigenvalues [1/s^2] and their vectors."""
+        """The report of eigenvalues [1/s^2] and their vectors."""
         problem = self.problem
         shapes = shapes / np.sqrt(np.einsum("kn,kn->k", shapes, (mass @ shapes.T).T))[:, None]
         forces = (stiffness @ shapes.T).T

@@ -1,4 +1,4 @@
-"""What a motion is: loads as functions of time, how the base moves, and with which steps; read from a TOML file."""
+"""A motion, read from a TOML file: loads as functions of time, the base's motion, and steps."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -15,6 +15,7 @@ from fingerfem.dynamics.signals import Signal, Sine, piecewise, read_signal
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.scene_table import SceneTable
 from fingerfem.scene.toml_file import one_line, read_toml
+from rom.dataset.rigid_motion import BaseMotion
 
 BASE = ("ax", "ay", "az", "wx", "wy", "wz")  # acceleration of the clamp [m/s^2], its angular velocity [rad/s]
 OUT_OF_PLANE = ("az", "wx", "wy")  # what half a finger cannot follow
@@ -45,14 +46,6 @@ class MotionFile(SceneTable):
     table: str | None = None
 
 
-class BaseMotion(NamedTuple):
-    """How the base moves, in its own axes: acceleration [m/s^2], angular velocity [rad/s] and its rate [rad/s^2]."""
-
-    acceleration: np.ndarray
-    spin: np.ndarray
-    spin_rate: np.ndarray
-
-
 @dataclass(frozen=True, kw_only=True)
 class Motion:
     """A motion of one scene's finger.
@@ -76,17 +69,17 @@ class Motion:
 
     @property
     def base_moves(self) -> bool:
-        """Whether it does."""
+        """Whether the motion has signals of the base."""
         return any(name in self.signals for name in BASE)
 
     def base(self, time: float, after: bool) -> BaseMotion:
-        """How the base moves."""
+        """Motion of the base at a time [s]."""
         values = [self._value(name, time, after) for name in BASE]
         rates = [self.signals[name].slope(time, after) if name in self.signals else 0.0 for name in BASE[3:]]
         return BaseMotion(np.array(values[:3]), np.array(values[3:]), np.array(rates))
 
     def jumps(self, time: float) -> bool:
-        """Whether a load or the base's acceleration does."""
+        """Whether a load or the base's acceleration jumps at a time [s]."""
         before, now = (
             np.concatenate([self.loads(time, after)[0], [self._value("d", time, after)], *self.base(time, after)])
             for after in (False, True)

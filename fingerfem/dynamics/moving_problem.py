@@ -25,10 +25,10 @@ from fingerfem.discretisation.forms import quadrature_degree
 from fingerfem.discretisation.loads.weight import inertial_work
 from fingerfem.discretisation.problem import Problem
 from fingerfem.discretisation.volume_energies import volume_measure
-from fingerfem.dynamics.motion import BaseMotion
 from fingerfem.equilibrium.factorisation import Factorisation
 from fingerfem.mechanics import kinematics
 from fingerfem.scene.scene import Scene
+from rom.dataset.rigid_motion import BaseMotion
 
 
 class Base(NamedTuple):
@@ -39,7 +39,7 @@ class Base(NamedTuple):
 
 
 class Inertia(NamedTuple):
-    """What is added to the residual of an equilibrium: mass M u + forces; and the velocity v = rate u + remainder.
+    """Terms added to the residual of an equilibrium: mass M u + forces; and the velocity v = rate u + remainder.
 
     Attributes:
         mass: [1/s^2].
@@ -65,7 +65,7 @@ class MovingProblem(Problem):
         scene: with densities.
 
     Raises:
-        ValueError: the scene lacks what a motion needs.
+        ValueError: the scene has no densities, or contact by Nitsche's method.
     """
 
     def __init__(self, scene: Scene):
@@ -95,12 +95,12 @@ class MovingProblem(Problem):
         return product(self._whole if whole else self.mass, values)
 
     def body_forces(self, velocity: np.ndarray) -> np.ndarray:
-        """Of weight and of the base's motion at the displacement of now, shape (owned values,) [N]."""
+        """Forces of weight and of the base's motion at the current displacement, shape (owned values,) [N]."""
         weight = np.zeros_like(velocity) if self._weight is None else self._weight
         return weight if self.base is None else weight + self._base_forces(velocity)
 
     def branch_forces(self) -> np.ndarray:
-        """Of the overstresses as they are now, shape (owned values,) [N]."""
+        """Forces of the current overstresses, shape (owned values,) [N]."""
         if self.branches is None:
             return np.zeros(3 * self.space.dofmap.index_map.size_local)
         b = self.gradient(self._of_branches)
@@ -109,7 +109,7 @@ class MovingProblem(Problem):
         return forces
 
     def _base_forces(self, velocity: np.ndarray) -> np.ndarray:
-        """What the base's motion adds to weight."""
+        """The part of the base's motion."""
         assert self.base is not None
         (acceleration, spin, rate), rotation = self.base
         g = np.zeros(3) if self.scene.gravity is None else self.scene.gravity.vector
@@ -119,7 +119,7 @@ class MovingProblem(Problem):
         return self.times_mass(force.ravel(), whole=True)
 
     def residual(self) -> tuple[PETSc.Vec, np.ndarray]:
-        """As that of an equilibrium, with what inertia adds; of the reaction, the equilibrium's part."""
+        """That of an equilibrium plus inertia; the reaction is the equilibrium's part."""
         b, reaction = super().residual()
         u = self.displacement
         if self.base is not None:

@@ -1,4 +1,4 @@
-"""What a load does in time: points joined by straight lines, with jumps between two of one time; or a sine."""
+"""Loads as functions of time: points joined by straight lines, with jumps between two of one time; or a sine."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Signal:
 
     @property
     def has_jumps(self) -> bool:
-        """Whether two points have one time."""
+        """Whether two points have the same time."""
         return bool((np.diff(self.times) == 0).any())
 
 

@@ -156,7 +156,7 @@ class Simulation:
         return balance
 
     def row(self, moment: Moment) -> dict[str, float]:
-        """What is reported of a moment: time [s], tip [m] and its turn [rad], loads, force [N], energies [J]."""
+        """The row of a moment: time [s], tip [m] and its turn [rad], loads, force [N], energies [J]."""
         state, problem = moment.state, self.problem
         self._stepper.place(state, after=False)
         tip, turn = problem.tip(), self._turn()

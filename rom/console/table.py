@@ -161,7 +161,7 @@ def parameters(those: Sequence[Parameter], title: str = "") -> Table:
     return Table(title=title, header=["parameter", "from", "to", "unit"], rows=rows)
 
 
-def accuracy(report: Mapping[str, Any], title: str = "") -> list[Table]:
+def accuracy(report: Mapping[str, Any]) -> list[Table]:
     """Errors in a report of `rom check`, or a model's own; nothing if there are none."""
     known = {name: one for name, one in report.items() if isinstance(one, dict) and "median" in one}
     rows = []
@@ -172,4 +172,4 @@ def accuracy(report: Mapping[str, Any], title: str = "") -> list[Table]:
         covered = percent(one["coverage"]) if "coverage" in one else ""
         rows.append([name.removesuffix(unit).replace("_", " "), str(one["count"]), *errors, covered])
     header = ["relative error", "states", "median", "95 %", "largest", "within estimate"]
-    return [Table(title=title, header=header, rows=rows)] if rows else []
+    return [Table(header=header, rows=rows)] if rows else []

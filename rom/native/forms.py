@@ -32,16 +32,6 @@ def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
     return found
 
 
-def values_and_gradients(tables: Any, form: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same with gradients by the axes, shape (n, components, axes)."""
-    points = np.ascontiguousarray(points, float)
-    components, axes = tables.forms[ROW * form + COMPONENTS], points.shape[1]
-    found, gradients = np.empty((len(points), components)), np.empty((len(points), components, axes))
-    given = pointer(points), memory_of(tables), pointer(found), pointer(gradients)
-    LIBRARY.functions.fingerfem_form(tables, form, len(points), *given)
-    return found, gradients
-
-
 def rows(kernel: Any) -> int:
     """Number of rows of an answer."""
     return LIBRARY.constants.FINGERFEM_PAD + int(kernel.has_pad)

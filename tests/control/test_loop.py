@@ -5,7 +5,7 @@ import pytest
 
 from control import Flaws, GraspOptions, Gripper, Limits, SimulatedPlant
 from control.loop import run
-from control.plant import Dead, Slipping, Stale
+from control.plant import Dead, Slipping
 
 OPTIONS = GraspOptions(approach_step=0.3, squeeze_steps=50, tolerance=0.03, noise=0.01)
 FLAWS = Flaws(noise=0.01, resolution=0.005, delay=3, force_error=0.05)
@@ -64,6 +64,17 @@ def test_a_tendon_that_breaks_does_not_make_its_finger_pull_on_and_on(table, gri
     report = loop(gripper, [Slipping(plants[0], 0, 0.0, SETTLED), *plants[1:]])
     assert report.status == ["lost_contact", "converged", "converged"]
     assert report.tensions[:, 0].max() <= 1.3 * report.tensions[SETTLED - 1, 0].max()
+
+
+class Stale(Dead):
+    """A sensor that repeats its last reading, and says how old it is."""
+
+    felt = age = 0.0
+
+    def pull(self, tensions):
+        felt = super().pull(tensions)
+        self.felt, self.age = (self.felt, self.age + 1e-3) if np.isnan(felt) else (felt, self._plant.age)
+        return self.felt
 
 
 @pytest.mark.parametrize("fault", [Dead, Stale])

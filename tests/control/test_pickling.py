@@ -12,6 +12,7 @@ from assembled import in_series
 import control
 import rom
 from control import CalibrationOptions, Finger, Gripper, Limits, calibrate
+from control.tracking import circle
 from rom import Rod
 from rom.rod.inverse_map import InverseMap
 
@@ -48,6 +49,7 @@ CLASSES = {
         lambda one: [one.evaluate([*POINT, np.inf]).contact_force, one.jacobian([*POINT, 0.02])],
     ),
     "Answer": (lambda table: table.evaluate(POINT), lambda one: [one.tip, one.contact_force]),
+    "BaseMotion": (lambda table: rom.BaseMotion(*np.eye(3)), lambda one: [one.acceleration, one.spin_rate]),
     "Cylinder": (lambda table: rom.Cylinder(radius=0.01, **WHERE), lambda one: [one.numbers()["axis"]]),
     "Hull": (lambda table: rom.Hull(**HULL, **WHERE), lambda one: [one.numbers()["heights"]]),
     "MovingFinger": (
@@ -98,6 +100,15 @@ CLASSES = {
         lambda table: Gripper(table).targets(control.Object(mass=0.1, friction=0.5, admissible_force=9.0)),
         lambda one: [one.contact_forces],
     ),
+    "TrackingController": (
+        lambda table: control.TrackingController(
+            rom.load(),
+            circle([0.01, 0.01], 0.002, 4.0, 5e-3, 0.5),
+            control.TrackingOptions(period=5e-3, density=1100.0),
+        ),
+        lambda one: [one.step([0.047, 0.011, 0.01]).copy() for _ in range(3)],
+    ),
+    "TrackingOptions": (lambda table: control.TrackingOptions(noise=1e-4), lambda one: [one.noise]),
     "Grip": (
         lambda table: Gripper(table).grips(1.0)[0],
         lambda one: [one.step(0.0).copy() for _ in range(3)] + [one.step(0.3).copy() for _ in range(3)],

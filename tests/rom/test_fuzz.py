@@ -83,18 +83,10 @@ def cache(tmp_path_factory) -> Path:
 
 @pytest.mark.long
 @needs_sanitizers
-def test_sixty_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
-    found = counted(sources, tmp_path, cache, 60, seed=1)
-    assert found["wrong"] == [] and found["refused"] + found["answered"] == 60
-    assert found["answered"] > 3 and found["refused"] > 30
-
-
-@pytest.mark.long
-@needs_sanitizers
-def test_more_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
-    found = counted(sources, tmp_path, cache, 150, seed=2)
-    assert found["wrong"] == [] and found["refused"] + found["answered"] == 150
-    assert found["answered"] > 7 and found["refused"] > 75
+def test_two_hundred_wrong_files_are_refused_or_answered(sources, tmp_path, cache):
+    found = counted(sources, tmp_path, cache, 200, seed=2)
+    assert found["wrong"] == [] and found["refused"] + found["answered"] == 200
+    assert found["answered"] > 10 and found["refused"] > 100
 
 
 @pytest.mark.long

@@ -1,1 +1,1 @@
-"""What a calibration says of its log: outliers, what no parameter explains, what the log does not determine."""
+"""Findings about a log: outliers, effects that no parameter explains, parameters that it does not determine."""

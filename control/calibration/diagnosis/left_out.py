@@ -11,7 +11,7 @@ from control.calibration.measured import MOTORS, Measured
 
 
 def errors_left_out(measured: Measured, fit: Fit) -> dict[str, np.ndarray]:
-    """Of every group that no motor shows: sizes of the errors of all poses, shape (n,), nan where nothing was measured.
+    """Every group that no motor shows: sizes of the errors of all poses, shape (n,), nan where nothing was measured.
 
     The parameters without pose i follow from the normal equations without it, one step of Gauss-Newton. With friction,
     whose poses are a history, the prediction is linear in these parameters.

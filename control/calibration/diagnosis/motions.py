@@ -1,4 +1,4 @@
-"""What a log does not determine, and the motions or columns that would: by the information that each would add."""
+"""Parameters that a log does not determine, and the motions or columns that would add the most information."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the formula of an energy depends on: UFL and NumPy share it."""
+"""Invariants and functions in energy formulas, which UFL and NumPy share."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Maths(NamedTuple):
-    """What a formula takes from UFL or from NumPy; `number` makes a constant of the compiled forms, or leaves it."""
+    """Functions of UFL or of NumPy; `number` makes a constant of the compiled forms, or leaves it."""
 
     number: Callable[[float], Any]
     ln: Callable[[Any], Any]
@@ -19,7 +19,7 @@ NUMPY = Maths(lambda value: value, np.log)
 
 
 class Invariants(NamedTuple):
-    """Of C = F^T F [-]: I1 = tr C, I2 = (I1^2 - tr C^2) / 2, J = det F; UFL scalars, or arrays of one shape."""
+    """Invariants of C = F^T F [-]: I1 = tr C, I2 = (I1^2 - tr C^2) / 2, J = det F; UFL or NumPy, of one shape."""
 
     I1: Any
     I2: Any

@@ -62,5 +62,5 @@ class Ogden(QuadraticVolume, Law):
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Where fractional powers are exact [-]."""
+        """Stretches between which fractional powers are exact [-]."""
         return STRETCHES

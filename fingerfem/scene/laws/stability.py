@@ -1,4 +1,4 @@
-"""Where a law loses stability: the stretch at which more strain no longer needs more stress.
+"""Loss of a law's stability: the stretch at which more strain no longer needs more stress.
 
 Hill's inequality, which commercial codes check as Drucker's stability: every change of the logarithmic strain e does
 positive work on the change of the Kirchhoff stress tau that it makes. With the energy as a function of the principal
@@ -67,7 +67,7 @@ def margin(law: Law, e: np.ndarray) -> float:
 
 
 def ends(mode: str, stretches: tuple[float, float]) -> tuple[float, float]:
-    """Of a mode's path: where a principal stretch of incompressible rubber is the lowest or the highest [-]."""
+    """Ends of a mode's path, at the lowest or highest principal stretch of incompressible rubber [-]."""
     low, high = stretches
     if mode == "uniaxial":
         return max(low, high**-2), min(high, low**-2)

@@ -1,1 +1,1 @@
-"""Tendons that rub in their guides."""
+"""Friction of tendons in their guides."""

@@ -1,4 +1,4 @@
-"""A finger whose tendons rub in their guides: increments that follow how its motors pull and release."""
+"""A finger with friction of its tendons in their guides, in increments of the motors' history."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class GuideState(NamedTuple):
     """A finger with t tensions and pressures and n elements before m objects, at the end of an increment.
 
     Attributes:
-        status: `out_of_domain` where the elements were not trained, here or on the way; `no_equilibrium` if none was
-            found: then all numbers are nan, and the finger is where it was before.
+        status: `out_of_domain` where the elements were not trained, now or earlier in the history; `no_equilibrium`
+            if none was found: then all numbers are nan, and the finger keeps its state from before.
         tensions: at the motors, then pressures, shape (t,) [N, Pa].
         shortenings: of the tendons between the clamp and their plates, shape (tendons,) [m].
         element_tensions: segment by segment, each from its plate to its clamp, shape (n, t) [N, Pa].
@@ -65,7 +65,7 @@ class Increment(NamedTuple):
 @brief
 @dataclass(kw_only=True)
 class GuidedFinger(PickledByFields):
-    """A finger with Coulomb friction of its tendons in their channels, as its motors have pulled and released so far.
+    """A finger with Coulomb friction of its tendons in their channels, which depends on the history of its motors.
 
     Between neighbouring elements, a tension differs by at most exp(friction |turning|), and by a constant per length.
     Tendons that run straight have no guides.
@@ -144,7 +144,7 @@ class GuidedFinger(PickledByFields):
         return bool(self.arrays.friction.any() or self.arrays.drag.any())
 
     def rest(self) -> None:
-        """Back to the finger with the least tensions, on which nothing has rubbed yet."""
+        """Start the history again, at the lowest tensions and without friction forces."""
         for one in self.arrays[2:]:
             one[...] = 0.0
         self.arrays.motors[:] = [one.lower for one in self.rod.parameters]
@@ -153,13 +153,13 @@ class GuidedFinger(PickledByFields):
         self.work, self.dissipated, self.inside, self.last = 0.0, 0.0, True, None
 
     def advance(self, point: ArrayLike, wound: Collection[str] = ()) -> GuideState:
-        """One increment to a point: the tendons slip in one direction each, or stick.
+        """One increment to a point, in which each tendon slips in one direction, or sticks.
 
-        An increment that finds no equilibrium is divided.
+        An increment without an equilibrium is halved.
 
         Args:
-            point: tensions at the motors, or shortenings of the tendons that are wound, then pressures and every d,
-                shape (t + m,) [N, m, Pa]. A tendon that is let out too far is slack: it has the least tension.
+            point: tensions at the motors, or shortenings of wound tendons, then pressures and every d, shape (t + m,)
+                [N, m, Pa]. A wound tendon that is too long is slack: it has the lowest tension.
             wound: names of the tendons whose motors are driven by position.
 
         Raises:
@@ -181,13 +181,13 @@ class GuidedFinger(PickledByFields):
         return self._state(given[len(names) :])
 
     def jacobian(self) -> np.ndarray:
-        """How tip and contact forces at the end of the last increment change with its point, shape (3 + m, t + m).
+        """Derivatives of tip and contact forces after the last increment by its point, shape (3 + m, t + m).
 
-        Of a finger without load by elimination, else by central differences of the increment: about a millisecond.
-        Where a motor has just reversed there are two derivatives; differences return their mean.
+        Elimination computes those of a finger without load, central differences of the increment all others, in about a
+        millisecond. If a motor has just reversed there are two derivatives; differences return their mean.
 
         Raises:
-            ModelError: there was no increment yet, or one beside it has no equilibrium.
+            ModelError: there was no increment yet, or a neighbouring one has no equilibrium.
         """
         if self.last is None:
             raise ModelError("advance must be called before jacobian, got no increment yet")
@@ -252,7 +252,7 @@ class GuidedFinger(PickledByFields):
         )
 
     def _nothing(self) -> GuideState:
-        """The state that no equilibrium was found for."""
+        """The state of a point without an equilibrium."""
         t, m = len(self.rod.names), len(self.names) - len(self.rod.names)
         return GuideState(
             status="no_equilibrium",

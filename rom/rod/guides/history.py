@@ -1,4 +1,4 @@
-"""Histories of the motors of a finger whose tendons rub in their guides."""
+"""Histories of the motors of a finger with friction of its tendons in their guides."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def guide_history(
     wound: Collection[str] = (),
     increments: int = 4,
 ) -> list[GuideState]:
-    """States along a history of motors, from rest, from point to point in straight lines.
+    """States along a history of motors, which begins at rest and joins the points by straight lines.
 
     Args:
         model: a finger, alone or before objects.
@@ -29,7 +29,7 @@ def guide_history(
         friction: coefficient of all tendons in their guides, or of each, shape (t,) [-].
         per_length: friction besides [N/m].
         wound: names of the tendons whose motors are driven by position.
-        increments: from point to point; what slips and what sticks is decided once in each.
+        increments: from point to point; each decides once which tendons slip and which stick.
 
     Raises:
         ModelError: see `GuidedFinger`; or no increment.

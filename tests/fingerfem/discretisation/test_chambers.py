@@ -20,20 +20,12 @@ from fingerfem.full_order_plant import FullOrderPlant
 from fingerfem.mechanics.kinematics import cofactor, deformation_gradient
 from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
+from tests.fingerfem.scene.test_chambers import CHAMBER as LOW
+from tests.fingerfem.scene.test_chambers import F1
+from tests.fingerfem.scene.test_chambers import TABLE as SQUARE
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
-LOW = {"name": "p1", "region": "rectangle", "centre": [-0.0045, 0.0], "size": [0.005, 0.008], "x": [0.004, 0.054]}
-LOW |= {"pressure": [0.0, 2e4]}
 HIGH = LOW | {"name": "p2", "centre": [0.0045, 0.0]}
-F1 = {"name": "F1", "offset": [0.0085, 0.0], "segment": 1, "tension": [0.0, 20.0]}
-SQUARE: dict[str, Any] = {
-    "name": "finger",
-    "geometry": {"side": 0.020, "segments": [0.060], "plate": 0.002, "channel": 0.003},
-    "material": {"law": "neo-hookean", "C1": 5e4, "D1": 4e-6},
-    "tendons": [F1],
-    "chambers": [LOW],
-    "mesh": {"cells": [10, 7]},
-}
 
 
 def model(**changes: Any) -> FingerModel:

@@ -10,6 +10,7 @@ from rom import Cylinder, Plane, Sphere, TouchedSegment, box
 from rom.rod.compiled import reports
 from rom.rod.compiled.touched import touches
 from rom.rod.rod import Rod
+from tests.rom.rod.outlined import rod_of
 from tests.rom.rod.plates import touch_of_plates
 
 SHAPES = ["plane", "sphere", "cylinder", "box"]
@@ -18,6 +19,11 @@ SHAPES = ["plane", "sphere", "cylinder", "box"]
 @pytest.fixture(scope="module")
 def bundled() -> Rod:
     return TouchedSegment.load().rod
+
+
+@pytest.fixture(scope="module", params=["square", "circle", "rounded square"])
+def rod(request, bundled) -> Rod:
+    return bundled if request.param == "square" else rod_of(request.param)
 
 
 def pressed(rod: Rod, random: np.random.Generator, shape: str) -> tuple[TouchedSegment, np.ndarray]:
@@ -63,18 +69,17 @@ def load_wrenches(model: TouchedSegment, point: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_loads_on_sections_are_the_contact_forces_where_they_are(bundled, shape):
+def test_loads_on_sections_are_the_contact_forces_where_they_are(rod, shape):
     """Beyond the last element before the clamp nothing goes to the ground: force and moment are equal."""
     random, compared = np.random.default_rng(1), 0
-    half = bundled.half_lengths[1]
     for _ in range(12):
-        model, point = pressed(bundled, random, shape)
+        model, point = pressed(rod, random, shape)
         contacts = model.contact_forces(point)
         assert any(one.rubber for one in contacts)
         force = sum(one.force for one in contacts)
         assert -force @ model.direction == pytest.approx(model.outputs(point[None])[0, 3], rel=1e-5)
-        last = reports.elements(bundled.struct, point[:-1], np.zeros((1, 6)))[0][0][-1]
-        if min(np.linalg.norm(one.place) for one in contacts) < np.linalg.norm(last) + 2 * half:
+        last = reports.elements(rod.struct, point[:-1], np.zeros((1, 6)))[0][0][-1]
+        if min(np.linalg.norm(one.place) for one in contacts) < np.linalg.norm(last) + 2 * rod.half_lengths[1]:
             continue  # a part of it may go to the ground
         compared += 1
         moment = sum(np.cross(one.place, one.force) for one in contacts)
@@ -113,28 +118,28 @@ def test_contacts_are_in_the_object_as_deep_as_rubber_yields_to_them(bundled, sh
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_derivatives_by_the_distance_are_those_of_the_answers(bundled, shape):
+def test_derivatives_by_the_distance_are_those_of_the_answers(rod, shape):
     """But for how the surface changes its shape under the load, which the solve counts and the derivative does not.
 
     Beside the rounded edge of a box, the normal changes within the part of a slice that presses.
     """
     random, errors = np.random.default_rng(3), []
-    for _ in range(12):
-        model, point = pressed(bundled, random, shape)
+    for _ in range(9):
+        model, point = pressed(rod, random, shape)
         step = np.array([0.0, 0.0, 1e-6])
         ahead, behind = model.outputs(np.array([point + step, point - step]))
         differences = (ahead - behind) / 2e-6
         found = model.jacobian(point)[:, -1]
         errors.append(abs(found[3] - differences[3]) / abs(differences[3]))
         assert found[:3] == pytest.approx(differences[:3], abs=0.1 * np.linalg.norm(differences[:3]))
-    assert np.median(errors) < (0.02 if shape == "box" else 0.01) and max(errors) < 0.1
+    assert np.median(errors) < 0.02 and max(errors) < (0.15 if shape == "box" else 0.1)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_the_force_begins_at_the_touch_distance_and_has_no_jump(bundled, shape):
+def test_the_force_begins_at_the_touch_distance_and_has_no_jump(rod, shape):
     random = np.random.default_rng(4)
-    for _ in range(5):
-        model, point = pressed(bundled, random, shape)
+    for _ in range(2):
+        model, point = pressed(rod, random, shape)
         touch = float(model.outputs(point[None])[0, 4])
         steepest = []
         for count in (40, 400):  # of a jump, shorter steps would be steeper

@@ -1,15 +1,10 @@
 """Steps of time: frequencies, order, rest, weight, contact that takes energy, and what is refused."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from scipy.linalg import eigh
-from scipy.spatial.transform import Rotation
 
 import rom
 from rom.files.checked_file import ModelError
-from rom.rod.compiled.motion import at_rest
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.motion.moving_finger import MovingFinger
 
@@ -25,38 +20,8 @@ def moving(finger, point=(0.0, 0.0, AWAY), **more) -> MovingFinger:
     return MovingFinger(finger, point, **({"density": DENSITY} | more))
 
 
-def compliance(one: MovingFinger) -> np.ndarray:
-    """Motions of all bodies by wrenches on them, by central differences."""
-    chain, loads = one.model.touching.chain, np.zeros(6 * len(one.lumps.masses))
-    begun = at_rest(chain, np.zeros(2), loads)
-    columns = []
-    for k in range(len(loads)):
-        size = 1e-4 if k % 6 < 3 else 1e-6  # [N], [N m]
-        ends = []
-        for sign in (size, -size):
-            there = at_rest(chain, np.zeros(2), loads + sign * np.eye(len(loads))[k])
-            turns = Rotation.from_matrix(there[:, 3:12].reshape(-1, 3, 3)).as_rotvec()
-            ends.append(np.hstack([there[:, :3] - begun[:, :3], turns]).ravel())
-        columns.append((ends[0] - ends[1]) / (2 * size))
-    return np.array(columns).T
-
-
-def mass(one: MovingFinger) -> np.ndarray:
-    """Of a straight finger of one segment."""
-    n = len(one.lumps.masses)
-    found = np.zeros((6 * n + 6,) * 2)
-    for b, (own, s, inertia, element) in enumerate(zip(*one.lumps, strict=True)):
-        arm = np.cross(np.eye(3), s)  # rows e x s, so that arm v = s x v
-        found[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] += np.block([[own * np.eye(3), arm.T], [arm, inertia]])
-        found[6 * b : 6 * b + 12, 6 * b : 6 * b + 12] += element
-    return found[: 6 * n, : 6 * n]  # the clamp does not move
-
-
 def frequencies(finger, parts: int) -> np.ndarray:
-    one = moving(finger, parts=parts)
-    known = compliance(one)
-    values = eigh(np.linalg.inv((known + known.T) / 2), mass(one), eigvals_only=True)
-    return np.sqrt(values) / (2 * np.pi)
+    return moving(finger, parts=parts).frequencies([0.0, 0.0], 7)
 
 
 def test_all_mass_but_that_at_the_clamp_is_at_the_sections(finger):
@@ -75,6 +40,12 @@ def test_frequencies_are_those_of_the_full_order_model(finger):
     # docker/run python3 -m fingerfem modes, 16 x 5 cells of order 2 [Hz]: bending thrice, each once in every plane
     assert frequencies(finger, 1)[[0, 3, 6]] == pytest.approx([49.46, 286.1, 703.2], rel=0.017)
     assert frequencies(finger, 1)[:2] == pytest.approx([49.46, 49.46], rel=0.002)
+
+
+def test_frequencies_need_numbers_of_all_tendons(finger):
+    with pytest.raises(ModelError, match="in that order"):
+        moving(finger).frequencies([1.0])
+    assert (np.diff(moving(finger).frequencies([60.0, 40.0], 6)) > 0).all()
 
 
 def test_a_small_vibration_has_the_frequency_of_compliance_and_mass(finger):
@@ -135,17 +106,6 @@ def test_energy_of_a_free_vibration_stays_and_with_damping_never_grows(finger):
         windows = energies.reshape(10, -1).max(axis=1)
         assert windows[-1] < windows[0] * 1.02
         assert (windows[-1] > 0.5 * windows[0]) == (radius == 1.0)
-
-
-def test_a_finger_that_weighs_moves_to_where_its_weight_holds_it(finger):
-    heavy = replace(
-        finger, rod=finger.rod.assembled(finger.rod.scene | {"gravity": {"density": DENSITY, "direction": [0, -1, 0]}})
-    )
-    one = MovingFinger(heavy.with_gravity([0, 0, 1]), [0.0, 0.0, AWAY], radius=0.0)
-    one.model = replace(one.model, rod=one.model.rod.with_gravity([0, -1, 0]))
-    for _ in range(20):
-        state = one.step([0.0, 0.0, AWAY], 0.1)
-    assert state.tip == pytest.approx(one.model.evaluate([0.0, 0.0, AWAY]).tip, abs=1e-8)
 
 
 def test_what_is_beyond_the_training_is_marked(finger):
