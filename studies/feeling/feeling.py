@@ -96,7 +96,7 @@ def known_object(finger: Rod, case: Case, noise: Noise) -> Question:
     model, point, hint = before(finger, case.object), [*case.tensions, case.d], [case.d + 1e-3]
     sensed = KnownObjects(model, noise)
     by_force = model.answers(point).jacobians[0, 3:4]
-    bound = least_covariance(case, noise, model.report(point).shortening_jacobian[0], by_force, np.zeros(1))
+    bound = least_covariance(case, noise, model.report(point).shortening_jacobian, by_force, np.zeros(1))
 
     def estimate(pulled: np.ndarray, shorter: np.ndarray, random: np.random.Generator) -> Trial:
         felt, taken = timed(lambda: sensed.feel(pulled, shorter, hint=hint))
