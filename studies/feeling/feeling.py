@@ -70,8 +70,8 @@ def timed(call: Callable[[], Felt]) -> tuple[Felt, float]:
 
 
 def covers(covariance: np.ndarray, error: np.ndarray) -> bool:
-    """Whether an error lies in the region that covers 95 %."""
-    return bool(error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
+    """Whether an error lies in the region that covers 95 %; none does where no contact is felt, without a covariance."""
+    return bool(covariance.any() and error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
 
 
 def least_covariance(
