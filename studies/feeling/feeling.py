@@ -70,7 +70,7 @@ def timed(call: Callable[[], Felt]) -> tuple[Felt, float]:
 
 
 def covers(covariance: np.ndarray, error: np.ndarray) -> bool:
-    """Whether an error lies in the region that covers 95 %; none does where no contact is felt, without a covariance."""
+    """Whether an error lies in the region that covers 95 %; without a felt contact there is no covariance, and none."""
     return bool(covariance.any() and error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
 
 
