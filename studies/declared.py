@@ -36,7 +36,7 @@ STUDIES = {
     "tracking": Study("accuracy", _same("tracking")),
     "feeling": Study("accuracy", {"states": "full_order:states", "feeling": "feeling"}),
     "assembled": Study("accuracy", _same("four", "fingers")),
-    "calibration": Study("accuracy", _same("calibrated")),
+    "calibration": Study("accuracy", _same("states", "calibrated")),
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
