@@ -47,7 +47,8 @@ typedef struct {
 typedef struct {
     placed at;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
-    double pressed[CHAIN_WRENCH]; /* wrenches minus the inertial ones: those that contact must transmit */
+    double pressed[CHAIN_WRENCH]; /* wrenches that contact must transmit */
+    int lasting[FINGERFEM_MOST_CONTACTS]; /* in a step of time: whether contacts press all along */
     chain_matrix following, soft, yielding;
     chain_matrix mass; /* in a step of time */
 } contact_state;

@@ -17,7 +17,8 @@
  *
  *     p = p_a + h^2 / 2 r / M,    v = v_a + h r / M,
  *
- * where p_a and v_a are by a alone. Its work is r (p - p_0) <= 0, as gaps close in a step or stay closed. With the whole way in D
+ * where p_a and v_a are by a alone. r is the mean of the wrenches of contact forces f along the normals at both ends (see
+ * response_excess), so that its work is f (g - g_0) <= 0, as gaps g close in a step or stay closed. With the whole way in D
  * above, what elements balance is -M v' + contact r, with contact = (1 - mean_mass) / (2 beta (1 - mean_force)). Then pressing
  * contacts keep no velocity along their normals n, as in an impact without a rebound: v -= W (W^T W / M)^-1 W^T v / M.
  */
@@ -134,6 +135,11 @@ static void add_block(const double *K, int first, int second, const double *Q, c
         }
 }
 
+static const double *rotation_at(const contact_problem *problem, const chain_state *state, int body)
+{
+    return state ? state->bodies[body].rotation : begun_of(problem, body) + TURN;
+}
+
 void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass)
 {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
@@ -159,7 +165,7 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
         }
         /* the element towards the clamp, in the frame between both its sections */
         double turn[3], to_middle[9], from_middle[9];
-        turn_between(b ? state->bodies[b - 1].rotation : upright, state->bodies[b].rotation, turn);
+        turn_between(before ? rotation_at(problem, state, b - 1) : upright, rotation_at(problem, state, b), turn);
         for (int i = 0; i < 3; i++) turn[i] *= 0.5;
         rotation_of(turn, to_middle);
         for (int i = 0; i < 9; i++) from_middle[i] = to_middle[3 * (i % 3) + i / 3];
@@ -191,6 +197,47 @@ double inertia_energy(const contact_problem *problem, const double *moving, cons
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) found += 0.5 * v[i] * mass[i][j] * v[j];
     return found;
+}
+
+void inertia_motion(const contact_problem *problem, const chain_state *state, double *found)
+{
+    memset(found, 0, (size_t)contact_size(problem) * sizeof *found);
+    for (int b = 0; b < problem->map->count; b++) {
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        const double *begun = begun_of(problem, b), *p = state->bodies[b].centre, *R = state->bodies[b].rotation;
+        /* R^T (p - p_0), and the turn */
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) found[W * b + i] += R[3 * j + i] * (p[j] - begun[PLACE + j]);
+        turn_between(begun + TURN, R, found + W * b + 3);
+    }
+}
+
+/* (r - M A) / 2, where contact has the accelerations A = r_0 / M_0 when the step begins, with r_0 = r - G xi. */
+int inertia_excess(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *wrenches,
+                   const double *changes, double *found)
+{
+    const int size = contact_size(problem);
+    double system[CHAIN_WRENCH * CHAIN_WRENCH], begun[CHAIN_WRENCH];
+    chain_matrix before;
+    inertia_mass(problem, NULL, before);
+    for (int i = 0; i < size; i++) {
+        memcpy(system + size * i, before[i], (size_t)size * sizeof *system);
+        begun[i] = wrenches[i] - changes[i];
+    }
+    if (!small_solve(size, system, 1, begun)) return 0;
+    /* seen from the frames at the end: accelerations of centres are those in space, angular ones turn along */
+    for (int b = 0; b < problem->map->count; b++) {
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        const double *R = state->bodies[b].rotation, *before_R = begun_of(problem, b) + TURN;
+        double space[3];
+        for (int i = 0; i < 3; i++) space[i] = objects_dot(before_R + 3 * i, begun + W * b);
+        for (int i = 0; i < 3; i++) begun[W * b + i] = R[i] * space[0] + R[3 + i] * space[1] + R[6 + i] * space[2];
+    }
+    for (int i = 0; i < size; i++) {
+        found[i] = 0.5 * wrenches[i];
+        for (int j = 0; j < size; j++) found[i] -= 0.5 * mass[i][j] * begun[j];
+    }
+    return 1;
 }
 
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found)

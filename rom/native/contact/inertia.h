@@ -9,11 +9,20 @@ void inertia_method(double radius, contact_step *step);
 /* Motion of a body at the step's end, (FINGERFEM_MOVING), from its pose there, as if no contact acted. */
 void inertia_moving(const contact_step *step, const double *begun, const chain_body *body, double *moving);
 
-/* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. */
+/* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. Where the step began if the
+ * state is NULL. */
 void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass);
 
 /* Kinetic energy of all bodies [J], which move so, (bodies, FINGERFEM_MOVING). */
 double inertia_energy(const contact_problem *problem, const double *moving, const chain_matrix mass);
+
+/* Motion of all bodies in the step, each in its frame at the end, (6 bodies) [m, rad]. */
+void inertia_motion(const contact_problem *problem, const chain_state *state, double *found);
+
+/* By how much contact does more at the end than in the mean of the step, (6 bodies): of wrenches r there, by their changes G xi in it. Returns
+ * 0 if the mass matrix is singular. */
+int inertia_excess(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *wrenches,
+                   const double *changes, double *found);
 
 /* Inertial wrenches on all bodies at their poses, (6 bodies) [N, N m]; the second function adds their derivative by the bodies'
  * motions, (6 bodies, 6 bodies), to a matrix. */

@@ -31,15 +31,17 @@ static void forces_along(const contact_problem *problem, const contact_state *st
 
 /* The contacts that press, `rows`, their number; and changes of the acceleration of all bodies, (size, 1 + number): r / M with
  * the wrenches r of contact, then W_k / M of each. Returns -1 if the mass matrix is singular. */
-static int accelerated(const contact_problem *problem, const contact_state *state, int *rows, double *found)
+static int accelerated(const contact_problem *problem, contact_state *state, int *rows, double *found)
 {
     const int size = contact_size(problem);
-    double system[CHAIN_WRENCH * CHAIN_WRENCH];
+    double system[CHAIN_WRENCH * CHAIN_WRENCH], excess[CHAIN_WRENCH];
     int count = 0;
     for (int k = 0; k < state->at.contacts.count; k++)
         if (state->forces[k] > 0.0) rows[count++] = k;
     /* right-hand sides r, W_1, W_2, ... */
     memset(found, 0, (size_t)(size * (1 + count)) * sizeof *found);
+    if (!response_excess(problem, state, excess)) return -1;
+    for (int i = 0; i < size; i++) found[(1 + count) * i] = -excess[i];
     for (int k = 0; k < count; k++) {
         const contact_arms *arms = state->at.arms + rows[k];
         for (int a = 0; a < arms->count; a++)

@@ -4,6 +4,8 @@
 #include "slices.h"
 #include "../linear_algebra/small.h"
 
+#define BEGUN 0.1 /* gap at the begin of a step, over half a section, from which a contact counts as new [-] */
+
 #define INLINE __attribute__((always_inline)) static inline
 
 /* Change of the wrenches of a unit force at contact k with the motions of its bodies: (6 bodies, 6 bodies). */
@@ -29,7 +31,8 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         changes_of(problem, state, k, own);
-        const double force = problem->share * state->forces[k];
+        const int mean = problem->step && state->lasting[k];
+        const double force = problem->share * state->forces[k] * (mean ? 0.5 : 1.0);
         /* G += f_k dW_k, in the blocks of the contact's bodies a, b */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
@@ -37,6 +40,13 @@ static void follow(const contact_problem *problem, contact_state *state)
                     for (int j = 0; j < W; j++)
                         state->following[W * arms->bodies[a] + i][W * arms->bodies[b] + j] +=
                             force * own[W * a + i][W * b + j];
+        /* of the mean in a step, see response_excess: F x theta / 2 besides, as forces have it in space */
+        for (int a = 0; a < arms->count && mean; a++)
+            for (int i = 0; i < 3; i++) {
+                double *row = state->following[W * arms->bodies[a] + i] + W * arms->bodies[a] + 3;
+                row[(i + 1) % 3] -= force * arms->wrenches[a][(i + 2) % 3];
+                row[(i + 2) % 3] += force * arms->wrenches[a][(i + 1) % 3];
+            }
     }
 }
 
@@ -56,6 +66,37 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
                     for (int j = 0; j < W; j++)
                         wrench[W * arms->bodies[a] + i] += state->forces[k] * own[W * a + i][W * b + j] * motion[W * arms->bodies[b] + j];
     }
+}
+
+/* Whether contact k has lasted through the motion xi, or nearly: its gap at the begin, g_k - W_k xi + xi dW_k xi / 2 to second order, is
+ * hardly more than such terms, or than an indentation. Adds W_k and its change dW_k xi, times its force, if it has. */
+static int lasted(const contact_problem *problem, const contact_state *state, int k, const double *motion, double *wrenches, double *changes)
+{
+    const contact_arms *arms = state->at.arms + k;
+    double own[SLICE_INPUTS][SLICE_INPUTS], change[SLICE_INPUTS] = {0.0}, second = 0.0;
+    changes_of(problem, state, k, own);
+    for (int a = 0; a < W * arms->count; a++) {
+        for (int b = 0; b < W * arms->count; b++) change[a] += own[a][b] * motion[W * arms->bodies[b / W] + b % W];
+        second += change[a] * motion[W * arms->bodies[a / W] + a % W];
+    }
+    const double gap = state->at.contacts.gaps[k] - response_opening(&state->at, k, motion) + 0.5 * second;
+    if (!(fabs(gap) < fabs(second) + BEGUN * problem->touching->chain->segments[0]->half_lengths[1])) return 0;
+    response_press(&state->at, k, state->forces[k], wrenches);
+    for (int a = 0; a < W * arms->count; a++) changes[W * arms->bodies[a / W] + a % W] += state->forces[k] * change[a];
+    return 1;
+}
+
+int response_excess(const contact_problem *problem, contact_state *state, double *wrench)
+{
+    double motion[CHAIN_WRENCH], wrenches[CHAIN_WRENCH] = {0.0}, changes[CHAIN_WRENCH] = {0.0};
+    int any = 0;
+    memset(wrench, 0, (size_t)contact_size(problem) * sizeof *wrench);
+    inertia_motion(problem, &state->at.chain, motion);
+    for (int k = 0; k < state->at.contacts.count; k++) {
+        state->lasting[k] = state->forces[k] > 0.0 && lasted(problem, state, k, motion, wrenches, changes);
+        any |= state->lasting[k];
+    }
+    return !any || inertia_excess(problem, &state->at.chain, state->mass, wrenches, changes, wrench);
 }
 
 INLINE void product(int size, const chain_matrix a, const chain_matrix b, chain_matrix out)

@@ -23,7 +23,7 @@ from rom.rod.weight import DENSEST
 
 HALVINGS = 8  # of a step that finds no answer
 ROUNDING = 1e-12  # of a step's length
-SHORTEST = 1e-9  # step, in which rounding makes velocities of some mm/s [s]
+SHORTEST = 1e-6  # step, in which the tolerance of positions makes a kinetic energy of a nJ or less [s]
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
@@ -130,7 +130,7 @@ class MovingFinger:
             length: [s].
 
         Raises:
-            ModelError: another number of parameters, parameters that are not numbers, or a length below 1 ns.
+            ModelError: another number of parameters, parameters that are not numbers, or a length below 1 µs.
         """
         goal = self._checked(parameters)
         if not SHORTEST <= length < np.inf:
