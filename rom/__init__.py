@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rom.answer import Answer
+    from rom.dataset.rigid_motion import BaseMotion
     from rom.rod.friction.history import friction_history
     from rom.rod.guides.guided_finger import GuidedFinger
     from rom.rod.guides.history import guide_history
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 # Where each is.
 _HOMES = {
     "Answer": "rom.answer",
+    "BaseMotion": "rom.dataset.rigid_motion",
     "Rod": "rom.rod.rod",
     "Cylinder": "rom.rod.objects.shapes",
     "Hull": "rom.rod.objects.shapes",
@@ -41,6 +43,7 @@ _HOMES = {
 }
 __all__ = [
     "Answer",
+    "BaseMotion",
     "Rod",
     "Cylinder",
     "Hull",

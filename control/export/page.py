@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rom.dataset.geometry import tip_at_rest
-from rom.dataset.sections.section import top
+from rom.dataset.sections.section import outline, top
 from rom.export.model import struct
 from rom.export.wasm_memory import Image
 from rom.files.atomic_file import write_whole
@@ -26,19 +27,15 @@ from rom.separated.model import SeparatedModel
 
 VIEWER = Path(__file__).with_name("viewer.html")
 FEW = 10.0  # [N]: what a bar of forces shows of a separated model without any
+AROUND = 48  # points of a round section's border
 
 
 def write(model: SeparatedModel | TouchedSegment, path: Path) -> None:
     """Write the page of a model.
 
     Raises:
-        ModelError: no name of a page, or a finger with chambers.
+        ModelError: no name of a page.
     """
-    if model.scene.get("chambers"):
-        raise ModelError(
-            "page must be of a finger without chambers, as its sliders are tensions (a header .h or an FMU has "
-            f"pressures), got {len(model.scene['chambers'])} chambers"
-        )
     if path.suffix.lower() not in (".html", ".htm"):
         raise ModelError(f"page must be a file named .html, got {path}")
     text = json.dumps(about(model), allow_nan=False).replace("<", "\\u003c")
@@ -59,25 +56,39 @@ def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
         "parameters": [one.as_json() for one in model.parameters],
         "has_obstacle": model.has_obstacle,
         "has_pad": model.has_pad,
-        "reports": isinstance(model, TouchedSegment),  # the tip's orientation and the tendons' shortenings
+        "reports": isinstance(model, TouchedSegment),  # the tip's orientation and the strokes of actuators
+        "growth_error": model.rod.errors.growth if isinstance(model, TouchedSegment) else 0.0,
         "lead": model.lead,
         "most_force": most_force(model),
         "rest": tip_at_rest(geometry).tolist(),
         "geometry": {"side": 2 * top(model.scene)} | {name: geometry[name] for name in ("segments", "plate")},
         "tendons": [
             {
-                "offset": one["offset"],
+                "weights": weights(model, [one["offset"]])[0].tolist(),
                 "straight": one["path"] == "straight",
                 "last": int(ends[one["segment"] - 1]) - 1 if own.sections else 0,
             }
             for one in model.scene["tendons"]
         ],
         "sections": own.sections,
+        "border": weights(model, border(model)).tolist(),
         "metal": [bool(one) for segment in surface for one in segment],
         "root": root,
         "addresses": image.addresses,
         "memory": base64.b64encode(zlib.compress(bytes(image.memory), 9)).decode(),
     }
+
+
+def border(model: SeparatedModel | TouchedSegment) -> np.ndarray:
+    """Points around the section at the clamp, shape (n, 2) [m]."""
+    found = outline(model.scene)
+    return found.points(AROUND) if found.radius else found.vertices
+
+
+def weights(model: SeparatedModel | TouchedSegment, points: ArrayLike) -> np.ndarray:
+    """Bilinear weights of points in a section's box, by its corners -y -z, -y z, y -z and y z, shape (n, 4) [-]."""
+    y, z = ((1 + np.asarray(points, float) / outline(model.scene).box) / 2).T
+    return np.column_stack([(1 - y) * (1 - z), (1 - y) * z, y * (1 - z), y * z])
 
 
 def parts(model: TouchedSegment) -> list[np.ndarray]:

@@ -6,7 +6,7 @@ import csv
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -15,6 +15,7 @@ from fingerfem.dynamics.signals import Signal, Sine, piecewise, read_signal
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.scene_table import SceneTable
 from fingerfem.scene.toml_file import one_line, read_toml
+from rom.dataset.rigid_motion import BaseMotion
 
 BASE = ("ax", "ay", "az", "wx", "wy", "wz")  # acceleration of the clamp [m/s^2], its angular velocity [rad/s]
 OUT_OF_PLANE = ("az", "wx", "wy")  # what half a finger cannot follow
@@ -43,14 +44,6 @@ class MotionFile(SceneTable):
     loads: dict[str, Any] = {}
     base: dict[str, Any] = {}
     table: str | None = None
-
-
-class BaseMotion(NamedTuple):
-    """Motion of the base in its own axes: acceleration [m/s^2], angular velocity [rad/s] and its rate [rad/s^2]."""
-
-    acceleration: np.ndarray
-    spin: np.ndarray
-    spin_rate: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,10 +25,10 @@ from fingerfem.discretisation.forms import quadrature_degree
 from fingerfem.discretisation.loads.weight import inertial_work
 from fingerfem.discretisation.problem import Problem
 from fingerfem.discretisation.volume_energies import volume_measure
-from fingerfem.dynamics.motion import BaseMotion
 from fingerfem.equilibrium.factorisation import Factorisation
 from fingerfem.mechanics import kinematics
 from fingerfem.scene.scene import Scene
+from rom.dataset.rigid_motion import BaseMotion
 
 
 class Base(NamedTuple):

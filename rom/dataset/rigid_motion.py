@@ -1,4 +1,4 @@
-"""Poses of plates and cross-sections, and their small motions in their own frames.
+"""Poses of plates and cross-sections, and their small motions in their own frames; and how a base moves.
 
 With a plate's centre c and rotation R, its pose is q = -R^T c [m] and the unit quaternion r of R. A motion is
 v = R^T dc [m] and the turn t = R^T dtheta [rad]: dq = q x t - v, and t = 2 vec(r* dr).
@@ -10,8 +10,18 @@ The rotation nearest to a body's motion is that of the polar decomposition of it
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.spatial.transform import Rotation
+
+
+class BaseMotion(NamedTuple):
+    """How the base moves, in its own axes: acceleration [m/s^2], angular velocity [rad/s] and its rate [rad/s^2]."""
+
+    acceleration: np.ndarray
+    spin: np.ndarray
+    spin_rate: np.ndarray
 
 
 def rotations(poses: np.ndarray) -> np.ndarray:

@@ -1,18 +1,18 @@
 """Elements of a tapered segment: each stands for a frustum of rubber, between sections of two sizes.
 
-It is a trained prismatic element, scaled to one size by similarity, and bends as the frustum does under a tendon. With
-the relative taper p = s' / s along x and the length l, its pose gets two terms of first order in p.
+It is a trained prismatic element, scaled to one size by similarity. With the relative taper p = s' / s along x, the
+length l and the distance u from the distal section, its pose gets what the frustum has in first order of p. In a plane
+of bending, with the bending stiffness E I and the shear compliance c per length:
 
-Under a wrench (f, m) the stress of bending runs along fibres that converge, so that the shear force of a section is
-f_y + p m_z, and f_z - p m_y (Timoshenko, Strength of Materials, on tapered beams). With the shear compliance c of the
-element, its energy ((f_y + p m_z)^2 + (f_z - p m_y)^2) c / 2 adds to the proximal section, seen from the distal one,
+    a tendon has the curvature k (1 + 3 p (u - l/2)), and its force along the converging channel shears by -c p E I k,
+    a moment m has m / (E I) (1 + 4 p (u - l/2)),
+    a force f has f u / (E I) (1 + 4 p (u - l/2)).
 
-    place y: -c p m_z        turn about z: -c p (f_y + p m_z)
-    place z:  c p m_y        turn about y:  c p (f_z - p m_y).
+So the proximal section, seen from the distal one, turns about a centre that is nearer to the thinner end than the
+middle: by p (l^2/4 - c E I) under tendons, and by p l^2/3 under m. Under f it turns by p l^3 / (3 E I) more. An element
+has the size of which 1 / s^3 is the mean; that of 1 / s^4, for moments, is larger by (p l)^2 / 6.
 
-Under a tendon the curvature goes with 1 / s^3, so that the centre of the frustum's turn lies nearer to its thinner end
-than its middle, by p l^2 / 4 if its sections stay plane. They do not: the full-order model has p (l^2 - b^2) / 4 with b
-= WARPING sides, whatever the length of the elements (tapers 0.7 and 0.5; lengths from 0.3 to 1 side).
+`c E I` is the interior element's own: no constant is fitted (docs/accuracy.md has the errors, by section and taper).
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
-from rom.elements.law import ElementMap
+from rom.elements.law import POSE, ElementLaw, ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
 from rom.files.checked_file import ModelError
 
-WARPING = 0.98  # b over the side [-]
+PLANES = (1, 5, 1), (2, 4, -1)  # of bending: places and forces, turns and moments, sign of the place that a turn gives
 ROUNDS = 50  # of the fixed point for sizes of end pieces; each reduces the error to a tenth
 
 
@@ -88,42 +88,45 @@ def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRu
     return [last, *interior, first]
 
 
-def shear_compliance(element: ElementMap, length: float) -> float:
-    """Of an element of a length at rest [m], over that length, without loads [1/N].
+def shear_by_bending(interior: ElementLaw) -> np.ndarray:
+    """Shear compliance times bending stiffness of an interior element, c E I towards y and z, shape (2,) [m^2].
 
-    Under a force f_y at its distal section its proximal one is displaced by f_y (l^3 / (6 E I) - c), seen from there,
-    under a moment it turns by -m_z l / (E I).
+    Without loads, under a force f at its distal section the proximal one is displaced by f (l^3 / (6 E I) - c l), seen
+    from there; under a moment m it turns by -m l / (E I).
     """
-    t = element.tension_map.shape[1]
-    _, gradient = element.value_and_gradient(np.zeros((1, t + 6)))
-    by_force, half_turn_by_moment = gradient[0, 1, t + 1], gradient[0, 5, t + 5]
-    return float(-(half_turn_by_moment * length**2 / 3 + by_force) / length)
+    length = interior.lengths[1]
+    by_wrench = _by_wrench(interior.of_length(length))
+    return np.array([length**2 / 6 + by_wrench[k, k] / (2 * by_wrench[turn, turn]) for k, turn, _ in PLANES])
 
 
-class Prism(NamedTuple):
-    """The prismatic elements at size 1: side [m], and shear compliance over the length [1/N]."""
-
-    side: float
-    shear: float
-
-
-def tapered(element: ElementMap, piece: Piece, prism: Prism) -> ElementMap:
-    """A prismatic element with both first-order terms of its frustum.
+def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
+    """A prismatic element with the terms of its frustum.
 
     Args:
         element: at the piece's size and length.
         piece: its length and sizes.
-        prism: at size 1.
+        shear: c E I at size 1, see `shear_by_bending`.
     """
-    law, m = element.polynomial, len(element.tension_map)
+    law, m, length = element.polynomial, len(element.tension_map), piece.length
     ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l
-    nearer = ratio * (piece.length**2 - (WARPING * prism.side * piece.size) ** 2) / (4 * piece.length)
-    moved = law.coefficients.copy()
-    moved[:, 1:3] += 2 * nearer * law.coefficients[:, [5, 4]] * [1, -1]  # half turns about z and y
-    c = prism.shear / piece.size**2 * ratio
-    by_wrench = np.zeros((6, law.coefficients.shape[1]))
-    by_wrench[1, 5], by_wrench[5, 5], by_wrench[5, 1] = -c / 2, -c / 2 * ratio / piece.length, -c
-    by_wrench[2, 4], by_wrench[4, 4], by_wrench[4, 2] = c / 2, -c / 2 * ratio / piece.length, c
-    halves = (law.upper - law.lower)[m:, None] / 2
-    more = replace(law, powers=np.eye(m + 6, dtype=int)[m:], coefficients=halves * by_wrench)
-    return replace(element, polynomial=replace(law, coefficients=moved).plus(more))
+    linear, moved = _by_wrench(element), law.coefficients.copy()
+    more = np.zeros((6, law.coefficients.shape[1]))  # rows are of the wrench
+    for (k, turn, sign), own in zip(PLANES, shear, strict=True):
+        nearer = ratio / length * (length**2 / 4 - own * piece.size**2)
+        moved[:, k] += sign * 2 * nearer * law.coefficients[:, turn]  # the law has half turns
+        more[turn, k] = sign * 2 * linear[turn, turn] * (ratio * length / 3 - nearer)
+        more[k, k] = -sign * 2 * linear[turn, k] * nearer
+        more[k, turn] = linear[turn, k] * ratio * 2 / 3
+    for turn in range(3, 6):
+        more[turn, turn] = linear[turn, turn] * ratio**2 / 6
+    middle, half = (law.upper + law.lower)[m:] / 2, (law.upper - law.lower)[m:] / 2
+    powers = np.eye(m + 7, m + 6, -1, dtype=int)[[0, *range(m + 1, m + 7)]]  # 1, then each component of the wrench
+    terms = replace(law, powers=powers, coefficients=np.vstack([middle @ more, half[:, None] * more]))
+    return replace(element, polynomial=replace(law, coefficients=moved).plus(terms))
+
+
+def _by_wrench(element: ElementMap) -> np.ndarray:
+    """Derivatives of an element's pose by its wrench, without loads, shape (6, 6) [m, - per N, N m]."""
+    t = element.tension_map.shape[1]
+    _, gradient = element.value_and_gradient(np.zeros((1, t + 6)))
+    return np.asarray(gradient[0, :POSE, t:])

@@ -325,23 +325,39 @@ int fingerfem_chain_sections(const fingerfem_chain *chain, const double *tension
  * moments of inertia, (bodies, 3, 3) [kg m^2], both about its centre in its own frame. The symmetric
  * mass matrices of the elements, (bodies, 12, 12), add to both bodies of each: by their motions in the frame between them. */
 typedef struct {
-    const double *masses, *moments, *inertias, *elements;
+    int32_t count;
+    const double *moduli, *times; /* (count): over the law's own shear modulus [-], and relaxation times [s] */
+    double bulk;                  /* the shear modulus over three times the bulk's [-] */
+} fingerfem_branches;
+
+typedef struct {
+    const double *masses, *moments, *inertias, *elements; /* NULL: nothing has mass, and steps end at rest */
+    const fingerfem_branches *branches; /* of viscoelastic rubber; NULL: it is elastic */
+    double radius; /* spectral radius of the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them */
 } fingerfem_inertia;
 
 /* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity and acceleration of the centre in
  * space [m/s, m/s^2], with those of the turn in its own frame [rad/s, rad/s^2] behind each; and the method's mean acceleration. */
 enum { FINGERFEM_MOVING = 30 };
 
-/* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), at the step's end: `moving` is where it begins
- * and what it ends with, as are the loads on all bodies, contacts' and inertia's. `radius` is the spectral radius of
- * the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them. Takes the force of every object, (count) [N], along its
+/* A base that moves, seen in its own axes: weight less the acceleration of the clamp [m/s^2], the angular velocity and its rate. */
+enum { FINGERFEM_BASE = 9 };
+
+enum { FINGERFEM_MOST_BRANCHES = 8 };
+
+/* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), and the base's motion, (FINGERFEM_BASE), or NULL
+ * if it rests, at the step's end: `moving` is where it begins and what it ends with, both seen from the base, as are the loads on all bodies,
+ * contacts' and inertia's, and, with branches, what relaxes of all loads, (1 + branches, 6 elements + tensions) [N, N m]. Takes the force of every object, (count) [N], along its
  * direction, the kinetic energy [J], and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
  * `moving` and loads stay; `inside` is as that of `fingerfem_touch`. */
-int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
-                   double *memory, double *moving, double *loads, double *forces, double *energy, int32_t *inside, fingerfem_pressing *pressing);
+int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
+                   double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
+                   int32_t *inside, fingerfem_pressing *pressing);
 
-/* The bodies at rest at tensions and loads, as `moving` of a first step; returns 0 if there are more than there is room for. */
-int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving);
+/* The bodies at rest at tensions and loads, as `moving` of a first step, and what relaxes of so many branches; returns 0 if there are more
+ * bodies than there is room for. */
+int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, int branches, double *memory,
+                      double *moving, double *relaxing);
 
 /* An answer with its errors: that of `fingerfem_touch`; errors, (1 + 2 count) [m, N, m], are the estimated ones of the tip, the forces and the touch
  * distances: infinite without an equilibrium. The report is computed unless it is NULL. */

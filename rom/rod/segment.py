@@ -17,7 +17,7 @@ from rom.elements.elements import INTERIOR, Elements
 from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
-from rom.elements.taper import Prism, shear_compliance, tapered
+from rom.elements.taper import shear_by_bending, tapered
 from rom.files.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.rod import compiled
@@ -174,10 +174,8 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     laws = {one: own.laws[one.kind].of_length(one.length).only(trained) for one, own in scaled.items()}
     geometry = elements.scene["geometry"]
     if any(one.ends[0] != one.ends[1] for one in pieces):
-        longest = elements.laws[INTERIOR].lengths[1]
-        shear = shear_compliance(elements.laws[INTERIOR].of_length(longest), longest)
-        prism = Prism(2 * elements.section.box[0], shear)
-        laws = {one: tapered(law, one, prism) for one, law in laws.items()}
+        shear = shear_by_bending(elements.laws[INTERIOR])
+        laws = {one: tapered(law, one, shear) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
     section = elements.section.scaled(end)
     half = np.array([elements.size * end * geometry["plate"] / 2, *section.box])

@@ -1,43 +1,57 @@
-"""Forces and positions felt without a sensor, from full-order states with noise: errors against noise."""
+"""Forces and positions felt without a sensor, from full-order states with noise: errors against noise.
+
+No unbiased estimate scatters less than the bound of Cramer and Rao. With variables x, the derivatives J of what is
+measured or expected by x, the standard deviations of these in the diagonal of S, and those of the forces G, it is
+
+    G (J^T S^-2 J)^-1 G^T.
+"""
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import chi2
 
 from control.feel import Felt, KnownObjects, Noise, UnknownForce
 from rom import Rod
 from rom.error_statistics import quantiles
-from studies.feeling.full_order import Case, before, error_of, of_shape, resultant
+from rom.rod.compiled.reports import shortenings_by_force
+from studies.feeling.full_order import PLAN, Case, before, error_of, resultant
 from studies.parts import Run
 from studies.rods import plans
-from studies.rods.random_objects import SHAPES
 
 # Standard deviations: shortenings [m], share of the tensions [-]; those of the tensions have 20 mN besides.
 LEVELS = (1e-6, 1e-4), (5e-6, 1e-3), (2e-5, 1e-3), (2e-5, 5e-3), (5e-5, 1e-2)
 LEAST_TENSION = 0.02  # [N]
-DRAWS, SEED = 2, 3  # of noise by state
+DRAWS, SEED = 4, 3  # of noise by state
 ASKED_FORCE, ASKED_SHARE, ASKED_POSITION = 0.05, 0.02, 0.002  # [N, -, m]
 PLACE = 1e-3  # standard deviation of a position that is known from elsewhere [m]
+COVERED, SAMPLES = 0.95, 400  # probability of a region that covers an error; samples of a case's bound
 
 
 class Trial(NamedTuple):
-    """Errors of an estimate of force [N] and position [m], what it says of them, and how long it took [us]."""
+    """Errors of an estimate's force [N] and position [m], whether its covariance covers the former; its time [us]."""
 
     force: float
     true_force: float
     position: float
-    force_deviation: float
+    covered: bool
     unseen: bool
     consistent: bool
     answered: bool
     microseconds: float
 
 
-Estimate = Callable[[np.ndarray, np.ndarray], Trial]
+class Question(NamedTuple):
+    """What is asked of a case: an estimate of its noisy measurements, and the bound of its forces' covariance [N^2]."""
+
+    estimate: Callable[[np.ndarray, np.ndarray, np.random.Generator], Trial]
+    bound: np.ndarray | None
+    true_force: float
 
 
 def noisy(case: Case, noise: Noise, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -55,86 +69,132 @@ def timed(call: Callable[[], Felt]) -> tuple[Felt, float]:
     return felt, 1e6 * (time.perf_counter() - begun)
 
 
-def known_object(finger: Rod, case: Case, noise: Noise) -> Estimate:
-    """The object's shape and direction are known; the estimate begins within a millimetre of its distance."""
-    sensed, hint = KnownObjects(before(finger, case.object), noise), [case.d + 1e-3]
+def covers(covariance: np.ndarray, error: np.ndarray) -> bool:
+    """Whether an error lies in the region that covers 95 %."""
+    return bool(error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
 
-    def estimate(pulled: np.ndarray, shorter: np.ndarray) -> Trial:
+
+def least_covariance(
+    case: Case, noise: Noise, by_variables: np.ndarray, forces: np.ndarray, expected: np.ndarray
+) -> np.ndarray:
+    """The bound of the covariance of k forces, shape (k, k) [N^2].
+
+    Args:
+        case: the state; its t tensions are variables, with u unknowns behind.
+        noise: of the measurements.
+        by_variables: derivatives of the shortenings, shape (t, t + u).
+        forces: those of the forces, shape (k, t + u).
+        expected: information besides the measurements, shape (u,).
+    """
+    pulled, shorter = noise.deviations(np.array(case.tensions), 0.0)
+    information = np.diag(np.append(pulled**-2.0, expected)) + by_variables.T @ np.diag(shorter**-2.0) @ by_variables
+    return forces @ np.linalg.solve(information, forces.T)
+
+
+def known_object(finger: Rod, case: Case, noise: Noise) -> Question:
+    """The object's shape and direction are known; the estimate begins within a millimetre of its distance."""
+    model, point, hint = before(finger, case.object), [*case.tensions, case.d], [case.d + 1e-3]
+    sensed = KnownObjects(model, noise)
+    by_force = model.answers(point).jacobians[0, 3:4]
+    bound = least_covariance(case, noise, model.report(point).shortening_jacobian[0], by_force, np.zeros(1))
+
+    def estimate(pulled: np.ndarray, shorter: np.ndarray, random: np.random.Generator) -> Trial:
         felt, taken = timed(lambda: sensed.feel(pulled, shorter, hint=hint))
-        force = float(felt.contact_forces[0]) - case.contact_force
+        force = felt.contact_forces - case.contact_force
         return Trial(
-            abs(force),
+            abs(float(force[0])),
             case.contact_force,
             abs(float(felt.values[0]) - case.d),
-            float(felt.force_deviations[0]),
+            felt.converged and covers(felt.force_covariance, force),
             bool(len(felt.unseen)),
             felt.consistent,
             felt.converged,
             taken,
         )
 
-    return estimate
+    return Question(estimate, bound, case.contact_force)
 
 
-def one_force(finger: Rod, pressed: tuple[float, np.ndarray], noise: Noise, known: bool) -> Estimate:
+def one_force(finger: Rod, case: Case, pressed: tuple[float, np.ndarray], noise: Noise, known: bool) -> Question:
     """A force of unknown size and direction across the finger, whose position is known within PLACE, or is not."""
     position, force = pressed
     sensed, size = UnknownForce(finger, noise, most=15.0), float(np.linalg.norm(force))
+    front, bound = float(finger.rest[0] + finger.half_lengths[0]), None
+    if known:
+        _, by_variables, _ = shortenings_by_force(finger.struct, np.array(case.tensions), position, force)
+        bound = least_covariance(case, noise, by_variables, np.eye(5)[3:], np.array([PLACE**-2.0, 0.0, 0.0]))
 
-    def estimate(pulled: np.ndarray, shorter: np.ndarray) -> Trial:
-        felt, taken = timed(lambda: sensed.feel(pulled, shorter, {"position": (position, PLACE)} if known else {}))
-        found = felt.values[1:]
-        along = found / max(float(np.linalg.norm(found)), 1e-9)
+    def estimate(pulled: np.ndarray, shorter: np.ndarray, random: np.random.Generator) -> Trial:
+        given = {"position": (float(np.clip(random.normal(position, PLACE), 0.0, front)), PLACE)} if known else {}
+        felt, taken = timed(lambda: sensed.feel(pulled, shorter, given))
         return Trial(
-            float(np.linalg.norm(found - force)),
+            float(np.linalg.norm(felt.values[1:] - force)),
             size,
             abs(float(felt.values[0]) - position),
-            float(np.sqrt(along @ felt.covariance[1:, 1:] @ along)),
+            felt.converged and covers(felt.covariance[1:, 1:], felt.values[1:] - force),
             bool(len(felt.unseen)),
             felt.consistent,
             felt.converged,
             taken,
         )
 
-    return estimate
+    return Question(estimate, bound, size)
+
+
+def as_asked(errors: np.ndarray, forces: np.ndarray) -> float:
+    """The share of forces within what is asked."""
+    return float(np.mean(errors <= np.maximum(ASKED_FORCE, ASKED_SHARE * forces)))
+
+
+def bound_of(asked: list[Question]) -> dict | None:
+    """Errors of estimates whose covariances are the bounds."""
+    bounds = [one.bound for one in asked if one.bound is not None]
+    if not bounds:
+        return None
+    random = np.random.default_rng(SEED)
+    errors = [random.multivariate_normal(np.zeros(len(one)), one, SAMPLES) for one in bounds]
+    sizes = np.linalg.norm(np.concatenate(errors), axis=1)
+    forces = np.repeat([one.true_force for one in asked], SAMPLES)
+    return {"force_N": quantiles(sizes), "within_force": as_asked(sizes, forces)}
 
 
 def summary(trials: list[Trial]) -> dict:
     """Errors and shares of all trials that have an answer."""
     answered = [one for one in trials if one.answered]
-    force, true, position, deviation = (np.array([one[k] for one in answered]) for k in range(4))
+    force, true, position, covered = (np.array([one[k] for one in answered]) for k in range(4))
     return {
         "trials": len(trials),
         "answered": len(answered),
         "force_N": quantiles(force),
         "position_m": quantiles(position),
-        "within_force": float(np.mean(force <= np.maximum(ASKED_FORCE, ASKED_SHARE * true))),
+        "within_force": as_asked(force, true),
         "within_position": float(np.mean(position <= ASKED_POSITION)),
-        "covered": float(np.mean(force <= 1.96 * deviation)),
+        "covered": float(np.mean(covered)),
         "unseen": float(np.mean([one.unseen for one in answered])),
         "consistent": float(np.mean([one.consistent for one in answered])),
         "us": float(np.median([one.microseconds for one in answered])),
     }
 
 
-def by_noise(cases: list[Case], prepare: Callable[[int, Noise], Estimate]) -> list[dict]:
-    """A row for every level of noise; an estimate is prepared for the number of a case."""
+def by_noise(cases: list[Case], prepare: Callable[[int, Noise], Question]) -> list[dict]:
+    """A row for every level of noise; a question is prepared for the number of a case."""
     rows = []
     for shortening, share in LEVELS:
         noise, random = Noise(shortening=shortening, tension=LEAST_TENSION, share=share), np.random.default_rng(SEED)
-        trials = []
-        for k, case in enumerate(cases):
-            estimate = prepare(k, noise)
-            trials += [estimate(*noisy(case, noise, random)) for _ in range(DRAWS)]
-        rows.append({"shortening_um": 1e6 * shortening, "tension_percent": 100 * share, **summary(trials)})
+        asked = [prepare(k, noise) for k in range(len(cases))]
+        trials = [
+            question.estimate(*noisy(case, noise, random), random)
+            for case, question in zip(cases, asked, strict=True)
+            for _ in range(DRAWS)
+        ]
+        level = {"shortening_um": 1e6 * shortening, "tension_percent": 100 * share}
+        rows.append(level | summary(trials) | {"bound": bound_of(asked)})
     return rows
 
 
 def measure(run: Run) -> dict:
     """Errors against noise where the object is known, where the position is, and where neither is."""
-    plan = plans.LARGE
-    sets = [run.once(shape, of_shape, run, plan, shape) for shape in SHAPES]
-    finger = plans.rod(run, plan)
+    finger, sets = plans.rod(run, PLAN), json.loads((run.folder / "states.json").read_text())["result"]
     cases = [Case(**one) for each in sets for one in each["cases"]]
     counts = {name: sum(each[name] for each in sets) for name in ("marked", "force", "failed")}
     return counts | felt(finger, cases)
@@ -148,6 +208,6 @@ def felt(finger: Rod, cases: list[Case]) -> dict:
         "contact_force_N": quantiles(np.array([one.contact_force for one in cases])),
         "model_error": quantiles(np.array([error_of(finger, one) for one in cases])),
         "known object": by_noise(cases, lambda k, noise: known_object(finger, cases[k], noise)),
-        "known position": by_noise(cases, lambda k, noise: one_force(finger, pressed[k], noise, True)),
-        "unknown position": by_noise(cases, lambda k, noise: one_force(finger, pressed[k], noise, False)),
+        "known position": by_noise(cases, lambda k, noise: one_force(finger, cases[k], pressed[k], noise, True)),
+        "unknown position": by_noise(cases, lambda k, noise: one_force(finger, cases[k], pressed[k], noise, False)),
     }

@@ -10,12 +10,14 @@ import numpy as np
 
 from control.feel.felt import NORMAL_95
 from rom import Rod, TouchedSegment
+from studies.cores import on_cores
 from studies.parts import Run
 from studies.rods import plans
 from studies.rods.full_order import Pressed, Table, rigid
 from studies.rods.random_objects import DEPTHS, DISTANCE, SHAPES, on_surface
 
-EACH, SEED = 25, 21  # states by shape; of the draws
+PLAN = plans.LARGE  # the finger's set
+EACH, SEED = 10, 21  # states by shape; of the draws
 FORCES = 0.1, 15.0  # least and largest contact force that is compared [N]
 AROUND = DEPTHS[1] + 2e-3, 2e-3  # how far the range of distances reaches below and above first touch [m]
 SAMPLES = 12  # cross-sections, from the nearest of which the position of a contact is measured
@@ -53,9 +55,15 @@ def solved(scene: Table, drawn: Pressed) -> tuple[float, list[float]] | None:
     return None if state.marks else (state.contact_force, list(state.channel_shortening.values()))
 
 
-def of_shape(run: Run, plan: plans.Plan, shape: str) -> dict[str, Any]:
+def states(run: Run) -> list[dict[str, Any]]:
+    """Cases of every shape."""
+    plans.rod(run, PLAN)  # trained before two processes ask for it
+    return on_cores(of_shape, [(run, shape) for shape in SHAPES])
+
+
+def of_shape(run: Run, shape: str) -> dict[str, Any]:
     """Cases of a shape, and counts of draws that are not compared."""
-    finger, scene = plans.rod(run, plan), tomllib.loads(plans.scene(run, plan).read_text())
+    finger, scene = plans.rod(run, PLAN), tomllib.loads(plans.scene(run, PLAN).read_text())
     random = np.random.default_rng((SEED, SHAPES.index(shape)))
     cases: list[dict] = []
     counts = {"marked": 0, "force": 0, "failed": 0}

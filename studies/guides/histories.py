@@ -26,6 +26,8 @@ DISTANCE = (0.001, 0.031)  # of the plane [m]
 NEAR = (0.008, 0.014)  # d of the plane [m]
 TURNS, RUBBING = (0.0, 80.0, 20.0, 80.0, 0.0), 0.2  # of F1 in the hysteresis [N]; its coefficient [-]
 LEAST = 1e-9  # work that counts [J]
+ONE, BOTH = [[80.0, 0.0], [20.0, 0.0]], [[80.0, 10.0], [80.0, 60.0], [20.0, 60.0], [20.0, 10.0]]  # loops [N]
+LOOP = 1000  # increments between two corners
 STEP, FINE = 5.0, 64  # between points of the hysteresis [N]; increments that count as many
 
 
@@ -147,14 +149,15 @@ def hysteresis(run: Run) -> dict[str, Any]:
     }
 
 
-def loop_work(rod: Rod, increments: int = 1000) -> dict[str, float]:
-    """Work lost in a closed loop of one motor, and what friction took [J]."""
-    finger = GuidedFinger(model=rod, friction=RUBBING)
-    up = np.linspace(20.0, 80.0, increments + 1)
+def loop_work(rod: Rod, corners: list[list[float]], friction: float) -> dict[str, float]:
+    """Work lost in a closed loop of the motors, and what friction took [J]."""
+    finger, points = GuidedFinger(model=rod, friction=friction), np.array(corners)
+    shares = np.arange(1, 1 + LOOP) / LOOP
     for _ in range(2):  # the second loop is closed
-        begun = finger.advance([up[0], 0.0])
-        for tension in np.concatenate([up[1:], up[-2::-1]]):
-            state = finger.advance([tension, 0.0])
+        begun = finger.advance(points[-1])
+        for first, second in zip(np.roll(points, 1, axis=0), points, strict=True):
+            for share in shares:
+                state = finger.advance(first + share * (second - first))
     return {"lost": state.work - begun.work, "took": state.dissipated - begun.dissipated}
 
 
@@ -179,7 +182,10 @@ def measure(run: Run) -> dict[str, Any]:
     draw_picture(loop, run.folder / "tendon_friction.png")
     return {
         "capstan": loop["capstan"],
-        "work": run.once("work", loop_work, plans.rod(run, plans.LARGE)),
+        "work": {
+            name: loop_work(plans.rod(run, plans.LARGE), *given)
+            for name, given in {"one": (ONE, RUBBING), "both": (BOTH, RUBBING), "free": (BOTH, 0.0)}.items()
+        },
         "free": run.once("free", errors_of, run, False),
         "pressed": run.once("pressed", errors_of, run, True),
     }

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.bundled import file_of
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.plane_check import check
 from rom.rod.pressed_check import check_pressed
@@ -15,13 +16,22 @@ from studies import sets
 from studies.parts import Run
 from studies.rods import plans
 
-TAPERS, COUNT, SEED = (1.0, 0.9, 0.7, 0.5), 20, 5
-PLAN = plans.LARGE
+TAPERS = {"square": (1.0, 0.9, 0.7, 0.5), "circle": (1.0, 0.7, 0.5)}
+COUNT, SEED = {"square": 20, "circle": 10}, 5  # states
+LENGTH, PLANE = 0.050, (0.001, 0.031)  # of the square finger, distances of its plane; of a longer one, longer [m]
+LINES = 24
+
+
+def straight(run: Run, section: str) -> Rod:
+    """The finger that elements were trained on: the draft one, or the bundled round one."""
+    return plans.rod(run, plans.LARGE) if section == "square" else Rod.load(file_of("round"))
 
 
 def scene(finger: Rod, taper: float) -> dict[str, Any]:
     """The finger with a taper; tensions are those that its thinnest elements were trained with, cells like theirs."""
-    table = {key: finger.scene[key] for key in ("name", "geometry", "material", "tendons")}
+    table = {
+        key: finger.scene[key] for key in ("name", "section", "geometry", "material", "tendons") if key in finger.scene
+    }
     ratio = -np.log(taper) / (1 - taper) if taper != 1 else 1.0  # mean of 1 / size along the finger
     mesh = finger.elements.scene["mesh"]
     tendons = [one | {"tension": [0.0, one["tension"][1] * taper**2]} for one in table["tendons"]]
@@ -30,24 +40,25 @@ def scene(finger: Rod, taper: float) -> dict[str, Any]:
     return table | {"geometry": geometry, "tendons": tendons, "mesh": {"cells": cells, "order": mesh["order"]}}
 
 
-def held_out(run: Run, name: str, table: dict[str, Any]) -> SnapshotSet:
+def held_out(run: Run, name: str, table: dict[str, Any], count: int) -> SnapshotSet:
     """Random states of a scene."""
     file = sets.written(run.folder, name, sets.as_toml(table))
     place = file.with_suffix("") / "held-out"
-    sets.farm(2, file, place, "--random", str(COUNT), "--seed", str(SEED))
+    sets.farm(2, file, place, "--random", str(count), "--seed", str(SEED))
     return SnapshotSet(place)
 
 
-def row(run: Run, taper: float) -> dict:
+def row(run: Run, section: str, taper: float) -> dict:
     """A finger of one taper: pressed on its plate by forces of all directions, and before a plane."""
-    straight = plans.rod(run, PLAN)
-    table = scene(straight, taper)
-    load = {"load": {"force": PLAN.force * taper**2}, "sampling": {"lines": PLAN.lines}}
-    plane = table | {"obstacle": {"distance": [0.001, 0.031], "method": "penalty"}}
-    finger = straight.assembled(tomllib.loads(sets.as_toml(plane)))
-    before = check(finger, held_out(run, f"plane {taper}", plane))
-    under = check_pressed(finger, held_out(run, f"pressed {taper}", table | load))
+    own, count = straight(run, section), COUNT[section]
+    table, longer = scene(own, taper), sum(own.scene["geometry"]["segments"]) / LENGTH
+    load = {"load": {"force": own.force * taper**2}, "sampling": {"lines": LINES}}
+    plane = table | {"obstacle": {"distance": [longer * one for one in PLANE], "method": "penalty"}}
+    finger = own.assembled(tomllib.loads(sets.as_toml(plane)))
+    before = check(finger, held_out(run, f"{section} plane {taper}", plane, count))
+    under = check_pressed(finger, held_out(run, f"{section} pressed {taper}", table | load, count))
     return {
+        "section": section,
         "taper": taper,
         "elements": len(finger.pieces[0]),
         "states": before["states"],
@@ -62,5 +73,7 @@ def row(run: Run, taper: float) -> dict:
 
 
 def measure(run: Run) -> list[dict]:
-    """A row a taper."""
-    return [run.once(f"taper {taper}", row, run, taper) for taper in TAPERS]
+    """A row a section and taper."""
+    return [
+        run.once(f"{section} {taper}", row, run, section, taper) for section, every in TAPERS.items() for taper in every
+    ]

@@ -1,17 +1,13 @@
 """Controllers, FMUs, simulation and environments of a finger with chambers: pressures in Pa beside tensions in N."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from control import Finger, Gripper, Limits
 from control.export import fmu as control_fmu
-from control.export import page
 from control.motion import for_each
 from rom.export.fmu.variables import model_interface
 from rom.export.rod_header import rod_header
-from rom.files.checked_file import ModelError
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.touched_segment import TouchedSegment
 from tests.rom.elements.chambered_rod import HIGHEST
@@ -61,8 +57,6 @@ def test_what_is_refused_names_pressures(model):
         Finger(model, Limits(rate=100.0))
     with pytest.raises(ValueError, match=r"a grasp, .*, must be of a finger with tendons alone, got one with 2"):
         Gripper(model).grips(0.1)
-    with pytest.raises(ModelError, match=r"page must be of a finger without chambers"):
-        page.write(model, Path("finger.html"))
 
 
 def test_a_number_for_all_loads_is_refused_where_some_are_pressures(model):

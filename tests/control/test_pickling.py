@@ -48,6 +48,7 @@ CLASSES = {
         lambda one: [one.evaluate([*POINT, np.inf]).contact_force, one.jacobian([*POINT, 0.02])],
     ),
     "Answer": (lambda table: table.evaluate(POINT), lambda one: [one.tip, one.contact_force]),
+    "BaseMotion": (lambda table: rom.BaseMotion(*np.eye(3)), lambda one: [one.acceleration, one.spin_rate]),
     "Cylinder": (lambda table: rom.Cylinder(radius=0.01, **WHERE), lambda one: [one.numbers()["axis"]]),
     "Hull": (lambda table: rom.Hull(**HULL, **WHERE), lambda one: [one.numbers()["heights"]]),
     "MovingFinger": (

@@ -57,6 +57,7 @@ typedef struct {
 typedef struct {
     const fingerfem_inertia *inertia;
     const double *begun; /* (bodies, FINGERFEM_MOVING), by loads */
+    const double *turning; /* of the base in its own axes: angular velocity [rad/s] and its rate, (6); NULL if it does not turn */
     double length, mean_mass, mean_force, beta, gamma;
     double contact; /* the share of contact forces that the balance at the step's end sees [-] */
 } contact_step;

@@ -32,22 +32,26 @@ static int without_wrench(guides_state *state)
     return -STEPS;
 }
 
-/* The equilibrium at the present tensions, and what the elements are there; returns 0 without one. */
+/* The equilibrium at the present tensions; returns 0 without one. */
 static int equilibrium(const fingerfem_touching *touching, const double *distances, double *memory, double *loads, guides_state *state)
 {
-    const fingerfem_chain *chain = touching->chain;
-    const int t = chain->tensions;
-    double point[POINT], out[FINGERFEM_MOST_ROWS_TOUCHED], jacobian[FINGERFEM_MOST_ROWS_TOUCHED * POINT], held_tensions[TENSIONS_MOST];
+    const int t = touching->chain->tensions;
+    double point[POINT], out[FINGERFEM_MOST_ROWS_TOUCHED], jacobian[FINGERFEM_MOST_ROWS_TOUCHED * POINT];
     int32_t inside;
-    chain_rods map;
-    chain_state placed;
     guides_by_own(state);
     memcpy(point, state->motors, (size_t)t * sizeof *point);
     memcpy(point + t, distances, (size_t)touching->count * sizeof *point);
-    if (touching->count && fingerfem_touch(touching, point, memory, loads, out, jacobian, NULL, &inside) <= 0) return 0;
-    chain_placed(chain, point, loads, memory, held_tensions, &map, &placed);
+    return !touching->count || fingerfem_touch(touching, point, memory, loads, out, jacobian, NULL, &inside) > 0;
+}
+
+/* What the elements are in that equilibrium. */
+static void elements_under(const fingerfem_chain *chain, const double *loads, double *memory, guides_state *state)
+{
+    double held_tensions[TENSIONS_MOST];
+    chain_rods map;
+    chain_state placed;
+    chain_placed(chain, state->motors, loads, memory, held_tensions, &map, &placed);
     guides_under(&map, state);
-    return 1;
 }
 
 /* Under wrenches, likewise. */
@@ -55,6 +59,7 @@ static int under_wrench(const fingerfem_touching *touching, const double *distan
 {
     for (int k = 1; k <= STEPS; k++) {
         if (!equilibrium(touching, distances, memory, loads, state)) return -k;
+        elements_under(touching->chain, loads, memory, state);
         const double change = guides_step(state);
         if (change < 0.0) return -k;
         if (change < SETTLED) return k;

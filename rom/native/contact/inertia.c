@@ -73,6 +73,13 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
     }
 }
 
+void inertia_at_rest(const chain_body *body, double *moving)
+{
+    memset(moving, 0, FINGERFEM_MOVING * sizeof *moving);
+    memcpy(moving + PLACE, body->centre, sizeof body->centre);
+    memcpy(moving + TURN, body->rotation, sizeof body->rotation);
+}
+
 void inertia_subtract_contact(const contact_step *step, const double *change, double *moving)
 {
     const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
@@ -140,9 +147,18 @@ static const double *rotation_at(const contact_problem *problem, const chain_sta
     return state ? state->bodies[body].rotation : begun_of(problem, body) + TURN;
 }
 
-void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass)
+/* From the frame of a body to that between it and the one before, whose rotation is NULL at the clamp: by half the turn, (3, 3). */
+static void middle_of(const double *before, const double *rotation, double *found)
 {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    double turn[3];
+    turn_between(before ? before : upright, rotation, turn);
+    for (int i = 0; i < 3; i++) turn[i] *= 0.5;
+    rotation_of(turn, found);
+}
+
+void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass)
+{
     const fingerfem_inertia *inertia = problem->step->inertia;
     const int size = contact_size(problem);
     for (int i = 0; i < size; i++) memset(mass[i], 0, (size_t)size * sizeof **mass);
@@ -164,10 +180,8 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
             for (int l = 0; l < 3; l++) rows[3 + i][W * b + 3 + l] += J[3 * i + l];
         }
         /* the element towards the clamp, in the frame between both its sections */
-        double turn[3], to_middle[9], from_middle[9];
-        turn_between(before ? rotation_at(problem, state, b - 1) : upright, rotation_at(problem, state, b), turn);
-        for (int i = 0; i < 3; i++) turn[i] *= 0.5;
-        rotation_of(turn, to_middle);
+        double to_middle[9], from_middle[9];
+        middle_of(before ? rotation_at(problem, state, b - 1) : NULL, rotation_at(problem, state, b), to_middle);
         for (int i = 0; i < 9; i++) from_middle[i] = to_middle[3 * (i % 3) + i / 3];
         add_block(K, 0, 0, to_middle, to_middle, b, b, mass);
         if (!before) continue;
@@ -240,6 +254,48 @@ int inertia_excess(const contact_problem *problem, const chain_state *state, con
     return 1;
 }
 
+/* On a base that turns by w and has its acceleration at the clamp in the weight (see motion.c), a body at p with the velocity v and the
+ * angular velocity om, as seen from there, has besides
+ *
+ *     A += R^T (w' x p + w x (w x p) + 2 w x v),    al += R^T w' + (R^T w) x om,    om += R^T w;
+ *
+ * v = 2 D - v_0 as om above. */
+static void add_base(const contact_step *step, const double *begun, const chain_body *body, double *spin, double *acceleration)
+{
+    const double *w = step->turning, *rate = step->turning + 3, *p = body->centre, *R = body->rotation;
+    double velocity[3], by_rate[3], around[3], outer[3], coriolis[3], own[3], own_rate[3], turned[3];
+    for (int i = 0; i < 3; i++) velocity[i] = 2.0 * (p[i] - begun[PLACE + i]) / step->length - begun[VELOCITY + i];
+    objects_cross(rate, p, by_rate);
+    objects_cross(w, p, around);
+    objects_cross(w, around, outer);
+    objects_cross(w, velocity, coriolis);
+    for (int i = 0; i < 3; i++) by_rate[i] += outer[i] + 2.0 * coriolis[i];
+    for (int i = 0; i < 3; i++) {
+        acceleration[i] += R[i] * by_rate[0] + R[3 + i] * by_rate[1] + R[6 + i] * by_rate[2];
+        own[i] = R[i] * w[0] + R[3 + i] * w[1] + R[6 + i] * w[2];
+        own_rate[i] = R[i] * rate[0] + R[3 + i] * rate[1] + R[6 + i] * rate[2];
+    }
+    objects_cross(own, spin, turned);
+    for (int i = 0; i < 3; i++) {
+        acceleration[3 + i] += own_rate[i] + turned[i];
+        spin[i] += own[i];
+    }
+}
+
+/* What the mass of the element at the clamp, which turns by w' with the base, puts on the body beyond it: -Q^T K P (0, w'), see `add_block`. */
+static void subtract_clamp(const contact_problem *problem, const chain_state *state, double *found)
+{
+    const int b = problem->map->bodies[0].segment == CHAIN_GROUND;
+    const double *K = problem->step->inertia->elements + 4 * W * W * chain_load_of(problem->map, b), *rate = problem->step->turning + 3;
+    double to_middle[9], turn[3], middle[W];
+    middle_of(NULL, state->bodies[b].rotation, to_middle);
+    /* P w', with P = Q^T */
+    for (int i = 0; i < 3; i++) turn[i] = to_middle[i] * rate[0] + to_middle[3 + i] * rate[1] + to_middle[6 + i] * rate[2];
+    for (int i = 0; i < W; i++) middle[i] = objects_dot(K + 2 * W * i + W + 3, turn);
+    for (int i = 0; i < W; i++)
+        for (int j = 0; j < 3; j++) found[W * b + i] -= to_middle[3 * j + i % 3] * middle[i / 3 * 3 + j];
+}
+
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found)
 {
     const fingerfem_inertia *inertia = problem->step->inertia;
@@ -256,6 +312,7 @@ void inertia_wrenches(const contact_problem *problem, const chain_state *state, 
         /* om x (om x s) and om x J om, with om = 2 D - om_0, which has what contact does, as v above has not */
         turn_between(begun + TURN, state->bodies[b].rotation, spin);
         for (int i = 0; i < 3; i++) spin[i] = 2.0 * spin[i] / problem->step->length - begun[VELOCITY + 3 + i];
+        if (problem->step->turning) add_base(problem->step, begun, state->bodies + b, spin, accelerations + W * b);
         for (int i = 0; i < 3; i++) spun[i] = objects_dot(J + 3 * i, spin);
         objects_cross(spin, s, inner);
         objects_cross(spin, inner, outer);
@@ -267,6 +324,7 @@ void inertia_wrenches(const contact_problem *problem, const chain_state *state, 
     }
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) found[i] -= mass[i][j] * accelerations[j];
+    if (problem->step->turning) subtract_clamp(problem, state, found);
 }
 
 void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following)

@@ -9,6 +9,9 @@ void inertia_method(double radius, contact_step *step);
 /* Motion of a body at the step's end, (FINGERFEM_MOVING), from its pose there, as if no contact acted. */
 void inertia_moving(const contact_step *step, const double *begun, const chain_body *body, double *moving);
 
+/* The same of a body at rest where it is. */
+void inertia_at_rest(const chain_body *body, double *moving);
+
 /* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. Where the step began if the
  * state is NULL. */
 void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass);

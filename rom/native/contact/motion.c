@@ -1,5 +1,7 @@
-/* A step of time: the balance of contact_solve.c at the step's end, with inertia. */
+/* A step of time: the balance of contact_solve.c at the step's end, with inertia. On a base that moves, weight is R^T g - a, with
+ * the base's rotation R and the acceleration a of the clamp; and inertia.c has its turning. */
 #include "inertia.h"
+#include "relaxation.h"
 #include "reported.h"
 #include "response.h"
 #include "../linear_algebra/small.h"
@@ -84,10 +86,31 @@ static void stop(const contact_problem *problem, const contact_state *state, int
     }
 }
 
-int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, double *moving)
+/* Motions of all bodies at the step's end, in place of where it began, and the kinetic energy; returns 0 if the mass matrix is singular. */
+static int move(const contact_problem *problem, const contact_state *state, double *moving, double *energy)
+{
+    int rows[FINGERFEM_MOST_CONTACTS];
+    double changes[CHAIN_WRENCH * (1 + FINGERFEM_MOST_CONTACTS)];
+    /* accelerations by contact */
+    const int count = accelerated(problem, state, rows, changes);
+    if (count < 0) return 0;
+    for (int b = 0; b < problem->map->count; b++) {
+        double *own = moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), begun[FINGERFEM_MOVING], change[W];
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        memcpy(begun, own, sizeof begun);
+        inertia_moving(problem->step, begun, state->at.chain.bodies + b, own);
+        for (int i = 0; i < W; i++) change[i] = changes[(1 + count) * (W * b + i)];
+        inertia_subtract_contact(problem->step, change, own);
+    }
+    stop(problem, state, count, rows, changes, moving);
+    *energy = inertia_energy(problem, moving, state->mass);
+    return 1;
+}
+
+int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, int branches, double *memory,
+                      double *moving, double *relaxing)
 {
     const fingerfem_segment *first = chain->segments[0];
-    const contact_step still = {.length = 1.0, .beta = 0.25, .gamma = 0.5};
     double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
     chain_rods map;
     chain_state state;
@@ -95,57 +118,55 @@ int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, cons
     chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, wrench) || !chain_under(&map, wrench, &state)) return 0;
-    for (int b = 0; b < map.count; b++) {
-        /* begun where it is, without a velocity */
-        double begun[FINGERFEM_MOVING] = {0.0};
-        memcpy(begun, state.bodies[b].centre, sizeof state.bodies[b].centre);
-        memcpy(begun + 3, state.bodies[b].rotation, sizeof state.bodies[b].rotation);
-        inertia_moving(&still, begun, state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
-    }
+    for (int b = 0; b < map.count; b++) inertia_at_rest(state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
+    if (branches) relaxation_at_rest(&map, branches, tensions, relaxing);
     return 1;
 }
 
-int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, double length, double radius,
-                   double *memory, double *moving, double *loads, double *forces, double *energy, int32_t *inside, fingerfem_pressing *pressing)
+int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
+                   double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
+                   int32_t *inside, fingerfem_pressing *pressing)
 {
-    const fingerfem_chain *chain = touching->chain;
-    const int t = chain->tensions;
+    const fingerfem_branches *branches = inertia->branches;
+    fingerfem_chain chain = *touching->chain;
+    const fingerfem_touching touched = {&chain, touching->count, touching->objects};
+    const int t = chain.tensions;
     contact_step step = {.inertia = inertia, .begun = moving, .length = length};
-    double held[TENSIONS_MOST];
+    double held[TENSIONS_MOST], seen[TENSIONS_MOST];
+    relaxation_step relaxation;
     chain_rods map;
     contact_state state;
-    inertia_method(radius, &step);
-    contact_problem problem = {touching, &map, {0.0}, &step, step.contact};
+    inertia_method(inertia->radius, &step);
+    contact_problem problem = {&touched, &map, {0.0}, inertia->masses ? &step : NULL, inertia->masses ? step.contact : 1.0};
+    /* the weight on a base that moves, and its turning */
+    if (base) memcpy(chain.gravity, base, sizeof chain.gravity);
+    for (int i = 3; i < FINGERFEM_BASE && base; i++)
+        if (base[i] != 0.0) step.turning = base + 3;
     /* objects at their d: all come as the first one that is there */
     double d = 0.0;
     for (int j = touching->count - 1; j >= 0; j--) d = isfinite(point[t + j]) ? point[t + j] : d;
     for (int j = 0; j < touching->count; j++) problem.ahead[j] = isfinite(point[t + j]) ? point[t + j] - d : INFINITY;
     /* bodies, and the wrenches of the last step */
-    *inside = tensions_all_clamped(chain->segments[0], point, held);
-    chain_set_tensions(chain, held, memory, &map);
+    memcpy(seen, point, (size_t)t * sizeof *seen);
+    if (branches) relaxation_begin(&chain, branches, length, relaxing, &relaxation);
+    if (branches) relaxation_tensions(&relaxation, point, seen);
+    *inside = tensions_all_clamped(chain.segments[0], seen, held);
+    chain_set_tensions(&chain, held, memory, &map);
+    if (branches) relaxation_set(&relaxation, &map);
     chain_contract(&map);
     memset(state.forces, 0, sizeof state.forces);
     state.at.contacts.count = 0;
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
-    /* accelerations by contact */
-    int rows[FINGERFEM_MOST_CONTACTS];
-    double changes[CHAIN_WRENCH * (1 + FINGERFEM_MOST_CONTACTS)];
-    const int count = accelerated(&problem, &state, rows, changes);
-    if (count < 0) return -evaluations;
-    /* where the step ends */
-    for (int b = 0; b < map.count; b++) {
-        double *own = moving + FINGERFEM_MOVING * chain_load_of(&map, b), begun[FINGERFEM_MOVING], change[W];
-        if (map.bodies[b].segment == CHAIN_GROUND) continue;
-        *inside &= state.at.chain.bodies[b].end.inside;
-        memcpy(begun, own, sizeof begun);
-        inertia_moving(&step, begun, state.at.chain.bodies + b, own);
-        for (int i = 0; i < W; i++) change[i] = changes[(1 + count) * (W * b + i)];
-        inertia_subtract_contact(&step, change, own);
-    }
-    stop(&problem, &state, count, rows, changes, moving);
-    *energy = inertia_energy(&problem, moving, state.mass);
+    /* where the step ends, and how bodies move there */
+    *energy = 0.0;
+    for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;
+    if (problem.step && !move(&problem, &state, moving, energy)) return -evaluations;
+    for (int b = 0; b < map.count && !problem.step; b++)
+        if (map.bodies[b].segment != CHAIN_GROUND)
+            inertia_at_rest(state.at.chain.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
+    if (branches) relaxation_end(&relaxation, &map, point, relaxing);
     chain_leave_loads(&map, state.wrench, loads);
     forces_along(&problem, &state, forces);
     *inside &= !placed_crowded(&state.at.contacts);

@@ -7,11 +7,12 @@
 /* Numbers of memory that deviations of the elements of a segment need to be evaluated in. */
 int variants_work(const fingerfem_segment *segment);
 
-/* Deviations of an element's pose without a wrench, (count, FINGERFEM_POSE), from the monomials of the tensions. */
-void variants_free(const fingerfem_variants *variants, const double *monomials, double *work, double *found);
+/* Deviations of an element's pose, (count, FINGERFEM_POSE), from the monomials of its tensions, under its wrench, (6), or, beyond the
+ * trained box, the nearest wrench in it. */
+void variants_at(const fingerfem_variants *variants, const double *monomials, const double *wrench, double *work, double *found);
 
-/* The same of a law that several elements share: contracted by the tensions once, then under the wrench of each, (6), or,
- * beyond the trained box, of the nearest wrench in it. `work` is the same for both. */
+/* The same of a law that several elements share: contracted by the tensions once, then under the wrench of each. `work` is the same for
+ * both. */
 void variants_contract(const fingerfem_variants *variants, const double *monomials, double *work);
 void variants_under(const fingerfem_variants *variants, const double *wrench, double *work, double *found);
 #endif

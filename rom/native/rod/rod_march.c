@@ -74,6 +74,7 @@ static double *lay_out(const fingerfem_segment *segment, int guided, double *mem
     found->work = work;
     found->own_tensions = NULL;
     found->masses = found->rubber = NULL;
+    found->relaxation.offsets = NULL;
     return found->monomials + (1 + segment->tensions) * segment->monomials * (guided ? segment->elements : 1);
 }
 
@@ -139,6 +140,21 @@ static inline void carry(const double *wrench, rod_element *element)
     }
 }
 
+int rod_pose(const rod_state *rod, int k)
+{
+    const fingerfem_law *law = law_of(rod, k);
+    const rod_relaxation *relaxation = &rod->relaxation;
+    rod_element *element = rod->elements + k;
+    double seen[W];
+    memcpy(seen, element->wrench, sizeof seen);
+    for (int i = 0; i < W && relaxation->offsets; i++) seen[i] = relaxation->factors[i] * seen[i] - relaxation->offsets[W * k + i];
+    element_pose(law, rod_contracted(rod, k), seen, rod->products + k * rod->products_stride, element->pose);
+    /* dpose/dw = factor dpose/dseen */
+    for (int i = 0; i < W && relaxation->offsets; i++)
+        for (int o = 0; o < W; o++) element->by_wrench[POSE * i + o] *= relaxation->factors[i];
+    return element_inside(law, seen);
+}
+
 void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end)
 {
     follow_motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
@@ -146,13 +162,11 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
     end->inside = 1;
     for (int k = part.first; k < part.last; k++) {
         rod_element *element = rod->elements + k;
-        const fingerfem_law *law = law_of(rod, k);
         /* pose of the distal section, and the wrench through it */
         follow_begin(element, k - part.first, end);
         carry(wrench, element);
-        end->inside &= element_inside(law, element->wrench);
         /* the law: pose q, g and its derivatives by that wrench; then the proximal section */
-        element_pose(law, rod_contracted(rod, k), element->wrench, rod->products + k * rod->products_stride, element->pose);
+        end->inside &= rod_pose(rod, k);
         follow_advance(element, end->place, end->rotation);
         /* by the body's wrench: changes of the wrench through the element, of its pose, of the proximal section */
 #pragma GCC unroll 3

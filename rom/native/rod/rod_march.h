@@ -16,6 +16,13 @@ typedef struct {
     double unused[2]; /* the next one begins in another line */
 } rod_element;
 
+/* Viscoelastic rubber in a step of time, see ../contact/relaxation.h: an element has the pose of its law under the wrench w where
+ * the law sees factors w - offsets, by component; offsets of all elements, (elements, 6) [N, N m]. */
+typedef struct {
+    double factors[ROD_WRENCH];
+    const double *offsets;
+} rod_relaxation;
+
 /* A rod at some tensions; all in memory of fingerfem_segment_memory's size, of which several rods may share the last
  * rod_work numbers, `work`. */
 typedef struct {
@@ -28,6 +35,7 @@ typedef struct {
     const double *own_tensions; /* of every element, (elements, tensions); NULL unless guided */
     rod_element *elements;
     const double *masses, *rubber; /* as those of a chain, see segment.h; NULL where nothing weighs */
+    rod_relaxation relaxation;     /* its offsets are NULL at rest */
 } rod_state;
 
 /* A plate seen from its clamp: the clamp's place and rotation seen from the plate, how the plate moves by the wrench, R^T dc
@@ -84,6 +92,9 @@ void rod_contract(const rod_state *rod);
 typedef struct {
     int first, last;
 } rod_part;
+
+/* The pose of an element of a contracted rod under its wrench, and its derivatives by that; returns 1 if the law is inside its box. */
+int rod_pose(const rod_state *rod, int k);
 
 /* The end of a part of a contracted rod under a wrench on its body, (6). */
 void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end);

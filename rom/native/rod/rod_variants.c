@@ -3,9 +3,10 @@
 
 enum { POSE = FINGERFEM_POSE, W = ROD_WRENCH };
 
-/* Elements of one law share its contraction, unless their tensions differ. */
+/* Elements of one law share its contraction, or without a wrench the deviations, unless their tensions differ. */
 void rod_deviate(const rod_state *rod, int pressed)
 {
+    static const double none[W] = {0.0};
     const fingerfem_segment *segment = rod->segment;
     const int row = POSE * segment->deviating;
     for (int law = 0; law < segment->laws; law++) {
@@ -14,13 +15,14 @@ void rod_deviate(const rod_state *rod, int pressed)
         for (int k = 0; k < segment->elements; k++) {
             double *found = rod->deviations + row * k;
             if (segment->law_of[k] != law) continue;
-            /* first element of the law: contract by the tensions, or evaluate without a wrench */
-            if (first < 0 && pressed) variants_contract(own, rod_monomials(rod, k), rod->work);
-            if (first < 0 && !pressed) variants_free(own, rod_monomials(rod, k), rod->work, found);
-            /* an element under its wrench; without a wrench a copy of the first element's deviations */
-            if (pressed) variants_under(own, rod->elements[k].wrench, rod->work, found);
-            else if (first >= 0) memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
-            first = first < 0 && !rod->guided ? k : first;
+            if (rod->guided || (first < 0 && !pressed)) {
+                variants_at(own, rod_monomials(rod, k), pressed ? rod->elements[k].wrench : none, rod->work, found);
+            } else if (pressed) {
+                /* the first element of a law contracts it by the tensions */
+                if (first < 0) variants_contract(own, rod_monomials(rod, k), rod->work);
+                variants_under(own, rod->elements[k].wrench, rod->work, found);
+            } else memcpy(found, rod->deviations + row * first, (size_t)row * sizeof *found);
+            first = first < 0 ? k : first;
         }
     }
 }

@@ -159,7 +159,6 @@ static rod_mass at_body(const rod_state *rod, rod_part part)
 
 void rod_weight_under(const rod_state *rod, rod_part part, const double *load, rod_end *end, rod_weight *weight)
 {
-    const fingerfem_segment *segment = rod->segment;
     weight_motion motions[WIDE_LOAD];
     weight_change unit[WIDE_LOAD];
     double moves[ROD_WRENCH * PARTS], moments[3 * PARTS];
@@ -169,13 +168,11 @@ void rod_weight_under(const rod_state *rod, rod_part part, const double *load, r
     end->inside = 1;
     for (int k = part.first; k < part.last; k++) {
         rod_element *element = rod->elements + k;
-        const fingerfem_law *law = segment->law[segment->law_of[k]];
         weight_step step;
         /* the wrench through it, its pose by the law, and its proximal section */
         follow_begin(element, k - part.first, end);
         carry(rod, k, load, &weight->all, element);
-        end->inside &= element_inside(law, element->wrench);
-        element_pose(law, rod_contracted(rod, k), element->wrench, rod->products + k * rod->products_stride, element->pose);
+        end->inside &= rod_pose(rod, k);
         follow_advance(element, end->place, end->rotation);
         /* motions by the load, and what weighs beyond the next section */
         weight_step_of(rod, k, load + 6, &weight->all, &step);

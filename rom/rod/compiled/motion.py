@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from rom.native import LIBRARY, pointer
 from rom.rod.compiled import memory_of
 
 MOVING = LIBRARY.constants.FINGERFEM_MOVING  # numbers of a body
+BASE = LIBRARY.constants.FINGERFEM_BASE
+MOST_BRANCHES = LIBRARY.constants.FINGERFEM_MOST_BRANCHES
 
 
 @brief
@@ -18,57 +21,90 @@ class Stepped(NamedTuple):
     """Where a step of time ends.
 
     Attributes:
-        moving: of every body, shape (bodies, 30), see segment.h.
-        loads: on all bodies, those of contacts and of inertia, shape (6 bodies,) [N, N m].
+        state: see `Stepper`.
         forces: of every object against its direction, shape (m,) [N].
         energy: kinetic [J].
         inside: whether tensions, loads and contacts lie where the elements were trained.
-        evaluations: of the map, negative without an answer.
     """
 
-    moving: np.ndarray
-    loads: np.ndarray
+    state: np.ndarray
     forces: np.ndarray
     energy: float
     inside: bool
-    evaluations: int
 
 
-def inertia_struct(masses: np.ndarray, moments: np.ndarray, inertias: np.ndarray, elements: np.ndarray) -> Any:
-    """A struct fingerfem_inertia, see `rom.rod.motion.lumps.Lumps`."""
-    return LIBRARY.struct("fingerfem_inertia", masses=masses, moments=moments, inertias=inertias, elements=elements)
+class Stepper:
+    """Steps of one finger, in memory of its own.
 
+    A state is one array: of every body 30 numbers, see segment.h; the loads on all bodies, those of contacts and of
+    inertia, shape (6 bodies,) [N, N m]; then what relaxes in viscoelastic rubber.
 
-def at_rest(compiled: Any, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
-    """The bodies of a struct fingerfem_chain at rest, shape (bodies, 30); None if there are too many of them."""
-    moving = np.zeros((len(loads) // 6, MOVING))
-    given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads)]
-    known = LIBRARY.functions.fingerfem_at_rest(compiled, *given, memory_of(compiled), pointer(moving))
-    return moving if known else None
+    Args:
+        touching: the finger and its objects, a struct fingerfem_touching.
+        inertia: masses and their moments by the names in segment.h, see `rom.rod.motion.lumps.Lumps`.
+        radius: spectral radius of the method for high frequencies [-].
+        branches: of the rubber by the names in segment.h; None if it is elastic.
+    """
 
+    def __init__(
+        self, touching: Any, inertia: Mapping[str, np.ndarray], radius: float, branches: Mapping[str, Any] | None = None
+    ):
+        chain, bodies, self.branches = touching.chain, len(inertia["masses"]), 0
+        more: dict[str, Any] = {"radius": radius}
+        if branches is not None:
+            self.branches = len(branches["moduli"])
+            more["branches"] = LIBRARY.struct("fingerfem_branches", count=self.branches, **branches)
+        self._bodies, relaxing = bodies, (6 * bodies + chain.tensions) * (1 + self.branches) * bool(self.branches)
+        self._touching = touching
+        self._with_mass, self._without = (
+            LIBRARY.struct("fingerfem_inertia", **one, **more) for one in (inertia, dict[str, Any]())
+        )
+        self._memory, self._state = memory_of(chain), np.zeros(bodies * (MOVING + 6) + relaxing)
+        self._point, self._base = np.zeros(chain.tensions + touching.count), np.zeros(BASE)
+        self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(1, np.int32)
+        ends = bodies * MOVING, bodies * (MOVING + 6)
+        moving, loads, relaxing_of = map(pointer, np.split(self._state, ends))
+        results = pointer(self._forces), pointer(self._energy), pointer(self._inside, "int32_t[]"), LIBRARY.ffi.NULL
+        self._results = (self._memory, moving, relaxing_of, loads, *results)
+        self._given, self._turned = pointer(self._point), pointer(self._base)
 
-def step(
-    touching: Any,
-    inertia: Any,
-    memory: Any,
-    point: np.ndarray,
-    length: float,
-    radius: float,
-    moving: np.ndarray,
-    loads: np.ndarray,
-) -> Stepped:
-    """A step to tensions and every d, shape (t + m,), from where the bodies move so, under loads of the last step."""
-    found, pressed, forces, energy = moving.copy(), loads.copy(), np.zeros(touching.count), np.zeros(1)
-    inside = np.zeros(1, np.int32)
-    evaluations = LIBRARY.functions.fingerfem_step(
-        touching,
-        inertia,
-        pointer(np.ascontiguousarray(point, float)),
-        length,
-        radius,
-        memory,
-        *map(pointer, (found, pressed, forces, energy)),
-        pointer(inside, "int32_t[]"),
-        LIBRARY.ffi.NULL,
-    )
-    return Stepped(found, pressed, forces, float(energy[0]), bool(inside[0]), evaluations)
+    def moving(self, state: np.ndarray) -> np.ndarray:
+        """How the bodies move in a state, shape (bodies, 30)."""
+        return state[: self._bodies * MOVING].reshape(-1, MOVING)
+
+    def at_rest(self, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
+        """The state at rest under tensions and loads; None if there are too many bodies."""
+        self._point[: len(tensions)] = tensions
+        _, moving, relaxing, pressed, *_ = self._results
+        self._state[self._bodies * MOVING :][: len(loads)] = loads
+        arguments = self._given, pressed, self.branches, self._memory, moving, relaxing
+        known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
+        return self._state.copy() if known else None
+
+    def step(
+        self,
+        state: np.ndarray,
+        point: np.ndarray,
+        length: float,
+        base: np.ndarray | None = None,
+        has_mass: bool = True,
+    ) -> Stepped | None:
+        """A step [s] from a state to tensions and every d, shape (t + m,); None without an answer.
+
+        Args:
+            state: see above.
+            point: [N, m].
+            length: [s].
+            base: how it moves at the step's end, shape (9,), see segment.h; None if it rests.
+            has_mass: whether it has; else the step ends at rest.
+        """
+        self._state[:], self._point[:] = state, point
+        turned = LIBRARY.ffi.NULL
+        if base is not None:
+            self._base[:], turned = base, self._turned
+        evaluations = LIBRARY.functions.fingerfem_step(
+            self._touching, self._with_mass if has_mass else self._without, self._given, turned, length, *self._results
+        )
+        if evaluations <= 0:
+            return None
+        return Stepped(self._state.copy(), self._forces.copy(), float(self._energy[0]), bool(self._inside[0]))

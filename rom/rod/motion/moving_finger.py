@@ -1,6 +1,6 @@
-"""A finger that moves: steps of time before rigid objects.
+"""A finger that moves: steps of time before rigid objects, on a base that may move.
 
-Elements are as compliant as at rest, and have the consistent mass of beams between their sections.
+Elements are as compliant as at rest, or viscoelastic, and have the consistent mass of beams between their sections.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ from numpy.typing import ArrayLike
 
 from rom.brief import brief
 from rom.dataset.actuators import refuse_chambers
+from rom.dataset.rigid_motion import BaseMotion
 from rom.files.checked_file import ModelError
-from rom.rod.compiled import memory_of
-from rom.rod.compiled.motion import Stepped, at_rest, inertia_struct, step
+from rom.rod.compiled.motion import Stepped, Stepper
 from rom.rod.compiled.touched import touches
+from rom.rod.motion.base import RESTING, Base, checked
+from rom.rod.motion.branches import branches_of
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.touched_rod import TouchedRod
 from rom.rod.weight import DENSEST
@@ -31,7 +33,7 @@ Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class MotionState:
-    """Position and velocity of a finger at the end of a step.
+    """Position and velocity of a finger at the end of a step, seen from its base.
 
     Attributes:
         status: `out_of_domain` where the elements were not trained; `no_equilibrium` if the step has no solution,
@@ -55,7 +57,8 @@ class MovingFinger:
     """A finger before objects in steps of time, begun at rest.
 
     Args:
-        model: the finger and its objects, without friction. Its weight acts if its scene has [gravity].
+        model: the finger and its objects, without friction. Its weight acts if its scene has [gravity], and its rubber
+            relaxes if its scene has `material.prony`: all branches are relaxed at first.
         parameters: tensions [N] and d [m] at which it rests, without contact, shape (t + m,).
         density: of the rubber [kg/m^3]; that of [gravity] if left out.
         plate_density: likewise of the plates.
@@ -68,6 +71,9 @@ class MovingFinger:
     Example:
         >>> finger = rom.MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0)
         >>> finger.step([20.0, 0.0, 0.02], 1e-3).tip
+
+    At small strain relaxation is exact for stretch, bending and twist; shear across the finger relaxes as bending does.
+    The rubber under a contact's point and the surface between sections are those of the relaxed rubber.
     """
 
     def __init__(
@@ -80,7 +86,7 @@ class MovingFinger:
         parts: int = 1,
     ):
         refuse_chambers(model.rod.scene, "motion")
-        weight = model.rod.scene.get("gravity") or {}
+        weight = model.rod.scene.get("gravity") or {"direction": [0.0, -1.0, 0.0], "acceleration": 0.0}
         density, plate_density = density or weight.get("density"), plate_density or weight.get("plate_density", 7850.0)
         if density is None:
             raise ModelError("density must be given [kg/m^3], as the scene has no [gravity], got none")
@@ -91,26 +97,30 @@ class MovingFinger:
             raise ModelError(f"radius must be from 0 to 1, got {radius}")
         if not isinstance(parts, int) or parts < 1:
             raise ModelError(f"parts must be an integer of at least 1, got {parts}")
-        model = replace(model, rod=replace(model.rod, parts=parts))
+        gravity = weight | {"density": density, "plate_density": plate_density}  # masses for a base that moves, too
+        model = replace(model, rod=replace(model.rod, parts=parts, scene=model.rod.scene | {"gravity": gravity}))
         self.model, self.radius, self.time = model, radius, 0.0
         self.lumps = lumps_of(model.rod, density, plate_density)
         self._t = len(model.rod.names)
+        self._base: Base | None = None  # moves once it is given a motion
         self._compile()
         self._point = self._checked(parameters)
         begun = touches(model.touching, self._point[None])
         if not begun.inside[0]:
             raise ModelError(f"parameters must be where the finger can rest, got {self._point.tolist()}")
-        moving = at_rest(model.touching.chain, self._point[: self._t], begun.loads[0])
-        if moving is None:
+        state = self._stepper.at_rest(self._point[: self._t], begun.loads[0])
+        if state is None:
             raise ModelError(f"a moving finger must have fewer sections, got {len(self.lumps.masses)}")
-        self._moving, self._loads = moving, begun.loads[0]
+        self._state = state
 
     def _compile(self) -> None:
-        self._inertia, self._memory = inertia_struct(*self.lumps), memory_of(self.model.touching.chain)
+        branches = branches_of(self.model.rod)
+        self._stepper = Stepper(self.model.touching, self.lumps._asdict(), self.radius, branches)
+        self._gravity = np.array(list(self.model.touching.chain.gravity))
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what compiled code reads."""
-        return {name: one for name, one in vars(self).items() if name not in ("_inertia", "_memory")}
+        return {name: one for name, one in vars(self).items() if name != "_stepper"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
@@ -122,12 +132,16 @@ class MovingFinger:
             raise ModelError(f"parameters must be numbers {', '.join(self.model.names)}, got {point.tolist()}")
         return point
 
-    def step(self, parameters: ArrayLike, length: float) -> MotionState:
-        """A step of time, in which tensions and distances change linearly; without a solution it is halved.
+    def step(
+        self, parameters: ArrayLike, length: float, base: BaseMotion | None = None, at_rest: bool = False
+    ) -> MotionState:
+        """A step of time, in which parameters and the base's motion change linearly; without a solution it is halved.
 
         Args:
             parameters: at its end, tensions [N] and d [m]; infinite where an object is away, shape (t + m,).
             length: [s].
+            base: how it moves at the step's end, as in a motion's file; None if it rests. Objects move with it.
+            at_rest: whether the step has no inertia and ends at rest, as long steps of creep should.
 
         Raises:
             ModelError: another number of parameters, parameters that are not numbers, or a length below 1 µs.
@@ -135,15 +149,23 @@ class MovingFinger:
         goal = self._checked(parameters)
         if not SHORTEST <= length < np.inf:
             raise ModelError(f"length must be at least {SHORTEST:g} s, and finite, got {length}")
-        begun, before = self.time, (self.time, self._moving, self._loads)
+        if base is not None and self._base is None:
+            self._base = Base(RESTING, np.eye(3))
+        moves = RESTING if base is None else checked(base)
+        begun, before = self.time, (self.time, self._state, self._base)
         found, ahead, inside = None, length, self._objects_in_range(goal)
         while self.time < begun + length * (1 - ROUNDING):
             ahead = min(ahead, begun + length - self.time)
-            now = self._advance(self._parameters_at(goal, (self.time + ahead - begun) / length), ahead)
+            share = (self.time + ahead - begun) / length
+            left = begun + length - self.time
+            base_after = None if self._base is None else self._base.after(moves, min(ahead / left, 1.0), ahead)
+            now = None
+            if self._base is None or base_after is not None:
+                now = self._advance(self._parameters_at(goal, share), base_after, ahead, at_rest)
             if now is None:
                 ahead /= 2
                 if ahead < length / 2**HALVINGS:
-                    self.time, self._moving, self._loads = before
+                    self.time, self._state, self._base = before
                     return self._report(None)
                 continue
             found, self.time, inside = now, self.time + ahead, inside and now.inside
@@ -164,18 +186,16 @@ class MovingFinger:
         both = np.isfinite(goal) & np.isfinite(self._point)
         return np.where(both, goal - left * np.where(both, goal - self._point, 0.0), goal)
 
-    def _advance(self, point: np.ndarray, length: float) -> Stepped | None:
-        found = step(
-            self.model.touching, self._inertia, self._memory, point, length, self.radius, self._moving, self._loads
-        )
-        if found.evaluations <= 0:
-            return None
-        self._moving, self._loads = found.moving, found.loads
+    def _advance(self, point: np.ndarray, base: Base | None, length: float, at_rest: bool) -> Stepped | None:
+        given = None if base is None else base.numbers(self._gravity)
+        found = self._stepper.step(self._state, point, length, given, has_mass=not at_rest)
+        if found is not None:
+            self._state, self._base = found.state, base
         return found
 
     def _report(self, found: Stepped | None) -> MotionState:
         last = self.model.rod.scene["geometry"]["segments"]
-        tip = self._moving[len(last) - 1]
+        tip = self._stepper.moving(self._state)[len(last) - 1]
         if found is None:
             nothing = np.full(3, np.nan)
             return MotionState(

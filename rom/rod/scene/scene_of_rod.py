@@ -122,10 +122,6 @@ def _geometry(table: dict[str, Any], has_side: bool) -> dict[str, Any]:
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
     if table.get("taper") is None:
         return found
-    if not has_side:
-        raise ModelError(
-            f"geometry.taper must be left out with [section]: its error is known of squares alone, got {table['taper']}"
-        )
     taper = [float(one) for one in table["taper"]]
     if len(taper) != len(segments) or not all(0 < one < np.inf for one in taper):
         raise ModelError(f"geometry.taper must be one ratio above 0 per segment, got {taper}")

@@ -164,6 +164,30 @@ def test_the_shape_is_python_s(opened, models, name):
         assert np.abs(found - expected).max() < 1e-9
 
 
+@pytest.mark.long
+def test_pressures_have_sliders_and_their_chambers_grow(driver, chambered, tmp_path):
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    from rom.rod.objects.shapes import facing_plane
+    from rom.rod.touched_segment import TouchedSegment
+
+    model = TouchedSegment(rod=chambered, obstacle=facing_plane(0.005, (0.0, 0.02)))
+    write(model, tmp_path / "chambered.html")
+    driver.get((tmp_path / "chambered.html").as_uri())
+    WebDriverWait(driver, 600).until(lambda page: page.execute_script("return document.body.dataset.ready"))
+    highest = model.limits[1][1]
+    typed(driver, "d", "20")
+    typed(driver, "p1", f"{highest / 2e3}")
+    at = driver.execute_script("return window.fingerfem.point()")
+    assert at[1] == pytest.approx(highest / 2)
+    expected = model.report(at)
+    assert expected.inside
+    words = re.findall(r"p\d (-?[\d.]+)", driver.find_element("id", "growths").text)
+    assert [float(word) for word in words] == pytest.approx(1e9 * expected.growths, abs=6e-4)
+    assert float(words[0]) > 0.1
+    assert driver.find_element("id", "shortenings").text.startswith("F1 ")
+
+
 def number(driver, name: str) -> float:
     """What a reading says."""
     return float(driver.find_element("id", name).text.split("±")[0])

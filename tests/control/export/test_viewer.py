@@ -11,7 +11,7 @@ import pytest
 from sampled import some_points
 
 import rom
-from control.export.page import VIEWER, about, write
+from control.export.page import AROUND, VIEWER, about, write
 from rom.export.model import struct
 from rom.files.checked_file import ModelError
 from rom.native import LIBRARY, pointer
@@ -35,6 +35,21 @@ def test_a_rod_s_plate_is_distinguished_from_its_rubber_and_a_table_has_no_shape
     assert found["metal"] == [False] * (found["sections"] - 2) + [True, True]
     assert [tendon["last"] for tendon in found["tendons"]] == [found["sections"] - 1] * 2
     assert about(table)["sections"] == 0
+
+
+@pytest.mark.parametrize(("name", "count"), [("round", AROUND), ("square", 4)])
+def test_the_border_of_a_section_is_at_its_distance_from_the_axis(name, count):
+    found, box = np.array(about(rom.load(name))["border"]), 0.01 * np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
+    radius = 0.01 * (1.0 if name == "round" else np.sqrt(2.0))
+    assert np.linalg.norm(found @ box, axis=1) == pytest.approx(np.full(count, radius), rel=1e-12)
+    assert found.sum(axis=1) == pytest.approx(np.ones(count))
+
+
+def test_a_tendon_of_a_page_passes_through_its_offset():
+    model = rom.load("round")
+    box = 0.01 * np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
+    drawn = [one["weights"] @ box for one in about(model)["tendons"]]
+    assert np.allclose(drawn, [one["offset"] for one in model.scene["tendons"]], rtol=0, atol=1e-15)
 
 
 def test_a_page_is_named_html(tmp_path):

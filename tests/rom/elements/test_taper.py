@@ -7,19 +7,19 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rom.dataset.geometry import size_at
-from rom.elements import taper as tapers
 from rom.elements.elements import INTERIOR
+from rom.elements.law import ElementLaw
 from rom.elements.march import march
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
-from rom.elements.taper import Prism, TaperedRubber, tapered_pieces
+from rom.elements.taper import TaperedRubber, shear_by_bending, tapered, tapered_pieces
 from rom.files.checked_file import ModelError
 from tests.rom.elements import elastic_rod as rod
 
 TENSIONS, WRENCH = np.array([8.0, 5.0]), np.array([0.05, -0.1, 0.08, 1e-3, -2e-3, 2e-3])
 
 
-def tapered(*ratios: float, share: float = 1.0) -> dict:
+def scene_of(*ratios: float, share: float = 1.0) -> dict:
     """A scene of the elastic rod with a segment for each ratio, tensions to a share of the trained ones."""
     scene = rod.in_series(*[rod.LENGTH] * len(ratios))
     tendons = [tendon | {"tension": [0.0, share * rod.MOST_TENSION]} for tendon in scene["tendons"]]
@@ -80,46 +80,28 @@ def test_a_segment_shorter_than_its_end_pieces_is_refused():
 
 
 @pytest.mark.parametrize("taper", [0.9, 0.7, 1.2])
-def test_a_tapered_finger_turns_as_the_rod_does(finger, taper):
-    """Places differ by what sections warp, which the rod's do not: elements turn farther from their thinner end.
-
-    That is by b^2 / 4 l times the logarithm of the ratio of the sizes.
-    """
-    found = finger.assembled(tapered(taper, share=min(taper, 1.0) ** 2))
-    ratios = [float(np.log(piece.ends[0] / piece.ends[1])) for piece in found.pieces[0]]
+def test_a_tapered_finger_bends_as_the_rod_does(finger, taper):
+    """An elastic rod has no shear; what differs is of second order in the ratio of an element's sizes."""
+    found = finger.assembled(scene_of(taper, share=min(taper, 1.0) ** 2))
+    second = max(np.log(piece.ends[0] / piece.ends[1]) ** 2 for piece in found.pieces[0])
     for wrench in (np.zeros(6), WRENCH):
-        placed, marched = (
-            found.place(TENSIONS, wrench[None]),
-            march(found.segments[0].elements, TENSIONS[None], wrench[None]),
-        )
-        centre, turned = plate(TENSIONS, wrench, taper)
-        inputs = np.hstack([np.tile(TENSIONS, (len(ratios), 1)), marched.wrenches[0]])
-        turns = [
-            2 * np.linalg.norm(one.value(own[None])[0, 3:6])
-            for one, own in zip(found.segments[0].elements, inputs, strict=True)
-        ]
-        off = np.linalg.norm(placed.centres[0] - found.rest) - np.linalg.norm(centre - found.rest)
-        parts = zip(turns, ratios, found.pieces[0], strict=True)
-        farther = sum(
-            -turn * ratio * (tapers.WARPING * rod.SIDE * piece.size) ** 2 / (4 * piece.length)
-            for turn, ratio, piece in parts
-        )
+        placed, (centre, turned) = found.place(TENSIONS, wrench[None]), plate(TENSIONS, wrench, taper)
         assert placed.inside
-        assert np.abs(placed.rotations[0] - turned).max() < 1e-4 + 0.1 * max(np.abs(ratios)) ** 2
-        assert off == pytest.approx(farther, rel=0.15 if not wrench.any() else 0.4)
+        assert np.abs(placed.rotations[0] - turned).max() < 1e-4 + 0.05 * second
+        assert np.linalg.norm(placed.centres[0] - centre) < 3e-6 + 0.05 * second * np.linalg.norm(centre - found.rest)
 
 
 def test_a_taper_that_vanishes_is_none(finger):
-    straight, almost = finger.place(TENSIONS, WRENCH[None]), finger.assembled(tapered(1 - 1e-9, share=0.99))
+    straight, almost = finger.place(TENSIONS, WRENCH[None]), finger.assembled(scene_of(1 - 1e-9, share=0.99))
     assert almost.place(TENSIONS, WRENCH[None]).centres == pytest.approx(straight.centres, abs=1e-9)
-    one = finger.assembled(tapered(1.0)).place(TENSIONS, WRENCH[None])
+    one = finger.assembled(scene_of(1.0)).place(TENSIONS, WRENCH[None])
     assert np.array_equal(one.centres, straight.centres) and np.array_equal(one.motions, straight.motions)
 
 
 def test_a_segment_behind_a_taper_is_one_of_its_size(finger):
     """The second of two segments is straight: it is the finger scaled by similarity, under forces as much smaller."""
     size = 0.8
-    two = finger.assembled(tapered(size, 1.0, share=size**2))
+    two = finger.assembled(scene_of(size, 1.0, share=size**2))
     small = finger.assembled(
         rod.similar(size, 1.0) | {"geometry": rod.similar(size, 1.0)["geometry"] | {"segments": [rod.LENGTH]}}
     )
@@ -131,7 +113,7 @@ def test_a_segment_behind_a_taper_is_one_of_its_size(finger):
 
 
 def test_compiled_code_is_the_march(finger):
-    found = finger.assembled(tapered(0.7, share=0.49))
+    found = finger.assembled(scene_of(0.7, share=0.49))
     marched = march(found.segments[0].elements, TENSIONS[None], WRENCH[None])
     placed = found.place(TENSIONS, WRENCH[None])
     assert placed.centres[0] == pytest.approx(marched.plate[0][0], abs=1e-12)
@@ -141,29 +123,63 @@ def test_compiled_code_is_the_march(finger):
 
 def test_tensions_beyond_those_of_the_thinnest_section_are_refused_or_marked(finger):
     with pytest.raises(ModelError, match=r"F1.tension must lie in 0 to 19.6 N, where the elements were trained"):
-        finger.assembled(tapered(0.7, share=0.5))
-    found = finger.assembled(tapered(0.7, share=0.49))
+        finger.assembled(scene_of(0.7, share=0.5))
+    found = finger.assembled(scene_of(0.7, share=0.49))
     assert found.place([19.0, 19.0]).inside and not found.place([30.0, 0.0]).inside
 
 
-def test_shear_compliance_of_a_taper_is_that_of_its_energy(finger):
-    """The potential ((f_y + p m_z)^2 + (f_z - p m_y)^2) c / 2 without the squares of forces, which the element has.
+STIFF, SHEAR, CURVED = 2e-3, 3e-3, 5.0  # at size 1: E I [N m^2], c [1/N], curvature by tension [1/(N m)]
 
-    An element of the length at which sections that warp take back what plane ones would add has nothing else.
+
+def timoshenko(piece: Piece) -> np.ndarray:
+    """Place y, z and half turns about y, z of a Timoshenko frustum, by a tendon's tension and f_y, f_z, m_y, m_z.
+
+    Integrals over sections of their own size, shape (4, 5): the tendon's force along its channel shears by p M.
     """
-    element = finger.segments[0].elements[1]
-    piece, compliance = Piece(INTERIOR, 0.01, (0.7, 0.8)), 2e-3
-    prism = Prism(0.01 / piece.size / tapers.WARPING, compliance)
-    inputs = np.concatenate([TENSIONS, WRENCH])[None]
-    change = (tapers.tapered(element, piece, prism).value(inputs) - element.value(inputs))[0]
-    taper, (_, f_y, f_z, _, m_y, m_z) = np.log(0.7 / 0.8), WRENCH
-    p, c = taper / 0.01, compliance * 0.01 / piece.size**2
-    expected = [0, -c * p * m_z, c * p * m_y, 0, c * p * (f_z - p * m_y) / 2, -c * p * (f_y + p * m_z) / 2]
-    assert change[:6] == pytest.approx(expected, rel=1e-9, abs=1e-16)
+    u, weights = np.polynomial.legendre.leggauss(20)
+    u, weights = piece.length * (u + 1) / 2, piece.length * weights / 2
+    slope = (piece.ends[1] - piece.ends[0]) / piece.length
+    size = piece.ends[0] + slope * u
+    curved = np.array([CURVED / size**3, u / (STIFF * size**4), 1 / (STIFF * size**4)])
+    shear = np.array([slope / size * CURVED * STIFF * size, np.ones_like(u), np.zeros_like(u)]) * SHEAR / size**2
+    turns, places = curved @ weights, curved @ (weights * (piece.length - u)) - shear @ weights
+    found = np.zeros((4, 5))
+    found[0, [0, 1, 4]], found[3, [0, 1, 4]] = places, -turns / 2
+    found[1, [2, 3]], found[2, [2, 3]] = places[1:] * [1, -1], turns[1:] / 2 * [1, -1]
+    return found
+
+
+def linear_law(length: float, size: float = 1.0) -> ElementLaw:
+    """The prismatic element of that frustum: a law of a tension and the wrench, on a box that is not even about 0."""
+    gradient = np.zeros((6, 7))
+    gradient[np.ix_([1, 2, 4, 5], [0, 2, 3, 5, 6])] = timoshenko(Piece(INTERIOR, length, (size, size)))
+    lower, upper = np.full(7, -1.0), np.full(7, 2.0)
+    powers = np.vstack([np.zeros(7, int), np.eye(7, dtype=int)])
+    coefficients = np.vstack([gradient @ (lower + upper) / 2, (gradient * (upper - lower) / 2).T])
+    law = Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)
+    tensions = np.array([[0.0], [2.0]])
+    return ElementLaw(tension_map=np.eye(1), tensions=tensions, polynomial=law, lengths=(length, length))
+
+
+def test_shear_by_bending_is_that_of_the_beam():
+    assert shear_by_bending(linear_law(0.01)) == pytest.approx(2 * [SHEAR * STIFF], rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.95, 0.9, 1.1])
+def test_an_element_is_its_frustum_in_first_order(ratio):
+    piece = Piece(INTERIOR, 0.01, (ratio, 1.0))
+    element, inputs = linear_law(piece.length, piece.size).of_length(piece.length), np.eye(7)[[0, 2, 3, 5, 6]]
+    laws = element, tapered(element, piece, np.full(2, SHEAR * STIFF))
+    expected = timoshenko(piece)
+    own = expected != 0
+    prismatic, found = (np.abs(one.value(inputs)[:, [1, 2, 4, 5]].T - expected)[own] for one in laws)
+    scales = np.abs(expected)[own]
+    assert (found < 0.5 * np.log(ratio) ** 2 * scales).all()
+    assert (prismatic > 0.1 * abs(np.log(ratio)) * scales).sum() == 5  # places by tension and moments, turns by forces
 
 
 def test_points_of_a_tapered_finger_are_on_its_surface(finger):
-    found = finger.assembled(tapered(0.7, share=0.49))
+    found = finger.assembled(scene_of(0.7, share=0.49))
     halves = rod.SIDE / 2 * size_at(found.scene["geometry"], found.edges[:, 0])
     assert np.abs(found.edges[:, 1:]) == pytest.approx(np.column_stack([halves, halves]))
     assert np.abs(found.displacement(np.zeros(2))).max() < 1e-6
@@ -172,7 +188,7 @@ def test_points_of_a_tapered_finger_are_on_its_surface(finger):
 
 
 def test_more_errors_are_expected_of_a_tapered_finger(finger):
-    straight, found = finger.errors, finger.assembled(tapered(0.7, share=0.49)).errors
+    straight, found = finger.errors, finger.assembled(scene_of(0.7, share=0.49)).errors
     for name in ("contact_force", "position", "turn", "shortening", "surface"):
         assert getattr(found, name) > getattr(straight, name)
     assert found.floors.place > straight.floors.place and found.floors.force > straight.floors.force
@@ -180,4 +196,4 @@ def test_more_errors_are_expected_of_a_tapered_finger(finger):
 
 def test_sections_where_a_tapered_finger_has_none_are_not_made(finger):
     with pytest.raises(ModelError, match=r"geometry.taper must be one ratio above 0 per segment, got \[0.9, 0.9\]"):
-        finger.assembled(tapered(0.9) | {"geometry": tapered(0.9)["geometry"] | {"taper": [0.9, 0.9]}})
+        finger.assembled(scene_of(0.9) | {"geometry": scene_of(0.9)["geometry"] | {"taper": [0.9, 0.9]}})

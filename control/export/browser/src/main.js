@@ -32,7 +32,8 @@ async function start() {
       release();
       changed();
     };
-    return new Dial(by("tensions"), { id: `pull-${k}`, label: one.name, title: "tension of a tendon", ...one }, pulled);
+    const title = one.unit === "Pa" ? "pressure in a chamber" : "tension of a tendon";
+    return new Dial(by("tensions"), { id: `pull-${k}`, label: one.name, title, ...one }, pulled);
   });
   const plane = about.has_obstacle
     ? new Dial(by("plane"), { id: "d", label: "d", title: "distance of the plane from the finger at rest", ...parameters.at(-1) }, changed)
@@ -45,6 +46,7 @@ async function start() {
     : null;
   by("contact").hidden = !about.has_obstacle;
   by("reports").hidden = !about.reports;
+  by("chambers").hidden = !(about.reports && tendons.some((one) => one.unit === "Pa"));
   const silence = () => {
     by("said").textContent = "";
     delete by("said").dataset.status;
@@ -132,9 +134,11 @@ async function start() {
     readings.pad_pressure?.show(answer.pad_pressure, answer.error.pad_pressure);
     by("tip").textContent = answer.tip.map((one) => (1000 * one).toFixed(2)).join(", ");
     if (about.reports) {
-      const millimetres = tendons.map((one, k) => `${one.name} ${(1000 * answer.shortenings[k]).toFixed(3)}`);
+      const strokes = (unit, factor) =>
+        tendons.flatMap((one, k) => (one.unit === unit ? `${one.name} ${(factor * answer.shortenings[k]).toFixed(3)}` : [])).join(", ");
       by("orientation").textContent = `${answer.orientation.map((one) => one.toFixed(4)).join(", ")} ± ${off(answer.error.orientation)} rad`;
-      by("shortenings").textContent = `${millimetres.join(", ")} ± ${off(1000 * answer.error.shortenings)}`;
+      by("shortenings").textContent = `${strokes("N", 1e3)} ± ${off(1e3 * answer.error.shortenings)}`;
+      by("growths").textContent = `${strokes("Pa", 1e9)} ± ${off(Number.isFinite(answer.error.shortenings) ? 1e9 * about.growth_error : NaN)}`;
     }
     by("status").dataset.inside = answer.inside;
     by("status").textContent = answer.inside ? "inside what was trained" : `not to be relied on: ${answer.reason}`;

@@ -13,11 +13,21 @@ import { colour } from "./colours.js";
 
 const SQUARE = 0.01; // of the plane's grid [m]
 const PLATE = [150, 155, 165], SLACK = 0x8a8f98, PULLED = 0xff7a1a, MARKED = 0x9a9a9a;
-const AROUND = [0, 1, 3, 2]; // corners of a section, one after another
+const CORNERS = 4; // of a section's box, which its points have weights of
 const TURN = 0.08, NEARER = 1.1; // of a key [rad, -]
 // While it moves, frames that take longer [ms] are drawn with fewer pixels [-], until it has been still for so long [ms].
 const SLOW = 1000 / 50, COARSER = 0.8, COARSEST = 0.4, STILL = 250;
 const UNIT = 1000; // of the scene in a metre: millimetres
+
+/** A sum over a section's corners. */
+function weighted(weights, of) {
+  return weights.reduce((sum, weight, corner) => sum + weight * of(corner), 0);
+}
+
+/** A point of a section in the scene, by the weights of its corners. */
+function placed(sections, section, weights) {
+  return [0, 1, 2].map((i) => UNIT * weighted(weights, (corner) => sections[3 * (CORNERS * section + corner) + i]));
+}
 
 export class View {
   /** @param canvas where; @param about of the model: sections, which of them are a plate's, geometry, tendons. */
@@ -82,24 +92,24 @@ export class View {
     }
   }
 
-  /** Four faces of every segment's rubber and its plate, each with corners of its own, so that edges are sharp. */
+  /** The border of every segment's rubber and its plate in flat faces, each with points of its own, so that edges are sharp. */
   addFinger() {
-    const { metal } = this.about;
-    this.from = []; // vertex -> corner of a section
+    const { metal, border } = this.about;
+    this.from = []; // vertex -> section and weights of its corners
     this.plates = []; // vertex -> whether it is a plate's
-    const quad = (a, b, c, d, plate) => {
-      for (const one of [a, b, c, a, c, d]) {
-        this.from.push(one);
+    const face = (plate, ...points) => {
+      for (const [section, k] of points) {
+        this.from.push([section, border[k % border.length]]);
         this.plates.push(plate);
       }
     };
     const last = metal.length - 1;
     for (let s = 0; s < last; s++)
-      for (let k = 0; k < 4; k++) {
-        const i = AROUND[k], j = AROUND[(k + 1) % 4];
-        quad(4 * s + i, 4 * s + j, 4 * s + 4 + j, 4 * s + 4 + i, metal[s]);
+      for (let k = 0; k < border.length; k++) {
+        face(metal[s], [s, k], [s, k + 1], [s + 1, k + 1]);
+        face(metal[s], [s, k], [s + 1, k + 1], [s + 1, k]);
       }
-    quad(...AROUND.map((i) => 4 * last + i), metal[last]);
+    for (let k = 1; k < border.length - 1; k++) face(metal[last], [last, 0], [last, k], [last, k + 1]);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * this.from.length), 3));
     geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * this.from.length), 3));
@@ -114,19 +124,16 @@ export class View {
     line.frustumCulled = false;
     line.renderOrder = 2;
     this.scene.add(line);
-    const { geometry } = this.about, y = (1 + (2 * tendon.offset[0]) / geometry.side) / 2;
-    const z = (1 + (2 * tendon.offset[1]) / geometry.side) / 2;
-    const weights = [(1 - y) * (1 - z), (1 - y) * z, y * (1 - z), y * z];
-    return { line, weights, ...tendon };
+    return { line, ...tendon };
   }
 
   /** Show sections [m], shares of the colour scale by their corners, tensions as shares, the plane at d, the tip. */
   show({ sections, shares, pulls, d, tip, marked }) {
     if (sections && this.finger) {
       const { position, color } = this.finger.geometry.attributes;
-      this.from.forEach((corner, k) => {
-        position.setXYZ(k, ...[0, 1, 2].map((i) => UNIT * sections[3 * corner + i]));
-        const [r, g, b] = this.plates[k] ? PLATE : colour(shares[corner]);
+      this.from.forEach(([section, weights], k) => {
+        position.setXYZ(k, ...placed(sections, section, weights));
+        const [r, g, b] = this.plates[k] ? PLATE : colour(weighted(weights, (corner) => shares[CORNERS * section + corner]));
         this.shade.setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
         color.setXYZ(k, this.shade.r, this.shade.g, this.shade.b);
       });
@@ -144,11 +151,7 @@ export class View {
     const places = [];
     for (let s = 0; s <= last; s++) {
       if (straight && s > 0 && s < last) continue;
-      for (let i = 0; i < 3; i++) {
-        let sum = 0;
-        for (let k = 0; k < 4; k++) sum += weights[k] * sections[12 * s + 3 * k + i];
-        places.push(UNIT * sum);
-      }
+      places.push(...placed(sections, s, weights));
     }
     line.geometry.setPositions(places);
     line.material.color.set(pull > 0 ? PULLED : SLACK);

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -63,6 +64,26 @@ def test_what_friction_took_is_the_work_lost_in_a_closed_loop(model):
     assert state.shortenings == pytest.approx(begun.shortenings, abs=1e-12)
     lost, took = state.work - begun.work, state.dissipated - begun.dissipated
     assert took > 0.05 and lost == pytest.approx(took, rel=1e-6)
+
+
+def test_a_loop_of_both_motors_leaves_what_separately_trained_shortenings_do(model):
+    lower, upper, count = np.array([20.0, 10.0]), np.array([80.0, 60.0]), 50
+    corners = np.array([lower, [upper[0], lower[1]], upper, [lower[0], upper[1]], lower])
+    finger = GuidedFinger(model=model.rod, friction=0.0)
+    finger.advance(lower)
+    begun = finger.work
+    for first, second in pairwise(corners):
+        for share in np.arange(1, count + 1) / count:
+            state = finger.advance(first + share * (second - first))
+    # Green's theorem: the closed integral of F . dS is that of dS_1/dF_2 - dS_2/dF_1 over the area
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    sides = lower + (upper - lower) * (1 + nodes[:, None]) / 2
+    grid = np.array([[one, other, np.inf] for one in sides[:, 0] for other in sides[:, 1]])
+    rates = model.report(grid).shortening_jacobian
+    area = np.outer(weights, weights).ravel() / 4 * (upper - lower).prod()
+    expected = float(area @ (rates[:, 0, 1] - rates[:, 1, 0]))
+    assert state.work - begun == pytest.approx(expected, rel=0.01)
+    assert abs(expected) < 1e-4 * float(area @ rates[:, 0, 0])  # both are symmetric in the full-order model
 
 
 def test_friction_takes_work_in_every_increment_of_any_history(model):

@@ -57,10 +57,6 @@ def test_another_section_is_refused_with_both_values(section, rule):
         ({"section": RING | {"bore": 0.02}}, "section.bore must be below the diameter, 0.02 m, got 0.02"),
         ({"section": [1.0]}, r"section must be a table \[section\], got \[1.0\]"),
         ({"geometry": GEOMETRY | {"side": 0.02}}, "geometry.side must be left out where .* got 0.02"),
-        (
-            {"geometry": GEOMETRY | {"taper": [0.7]}},
-            r"geometry.taper must be left out with .* got \[0.7\]",
-        ),
     ],
 )
 def test_a_table_that_is_no_section_is_refused(changes, rule):

@@ -1,0 +1,110 @@
+"""Motors on a serial line: the datagrams of `control.robot.messages` in frames, and a bridge between line and socket.
+
+A frame is a datagram and its CRC-32, little-endian, with consistent overhead byte stuffing, which leaves no zero byte
+(S. Cheshire, M. Baker, IEEE/ACM Transactions on Networking 7, 1999); then a zero byte.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import zlib
+from typing import Protocol
+
+from control.robot.link import LARGEST
+
+CHECK = 4  # bytes of a CRC-32
+BLOCK = 254  # most bytes behind a length
+
+
+class Line(Protocol):
+    """An open serial line with a file descriptor: `serial.Serial` of pyserial on Linux and macOS, or a raw file."""
+
+    def fileno(self) -> int:
+        """The file descriptor."""
+
+    def write(self, data: bytes, /) -> int | None:
+        """Write all bytes."""
+
+
+def framed(datagram: bytes) -> bytes:
+    """A datagram as a frame."""
+    found = bytearray()
+    for part in (datagram + zlib.crc32(datagram).to_bytes(CHECK, "little")).split(b"\0"):
+        # every part ends in a zero, which its length stands for; 255 stands for a full block without one
+        while len(part) >= BLOCK:
+            found += b"\xff" + part[:BLOCK]
+            part = part[BLOCK:]
+        found += bytes([len(part) + 1]) + part
+    return bytes(found) + b"\0"
+
+
+def datagram_of(frame: bytes) -> bytes | None:
+    """The datagram of a frame without its last zero; None if bytes were lost or changed."""
+    found, k = bytearray(), 0
+    while k < len(frame):
+        length = frame[k]
+        part = frame[k + 1 : k + length]
+        if len(part) != length - 1:
+            return None
+        found, k = found + part, k + length
+        if length <= BLOCK and k < len(frame):
+            found.append(0)
+    datagram = bytes(found[:-CHECK])
+    return datagram if found[-CHECK:] == zlib.crc32(datagram).to_bytes(CHECK, "little") else None
+
+
+class SerialBridge:
+    """Forwards datagrams between a serial line and a UDP socket, to which a `Link` connects.
+
+    Attributes:
+        address: host and port of the socket.
+        broken: frames that were no datagrams: they are lost.
+
+    Args:
+        line: the open line.
+        peer: where datagrams of the line go; without it, to whoever has sent one last.
+    """
+
+    def __init__(self, line: Line, peer: tuple[str, int] | None = None):
+        self._line, self._peer, self._begun = line, peer, b""
+        self.broken = 0
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.setblocking(False)
+        self.address: tuple[str, int] = self._socket.getsockname()
+
+    def close(self) -> None:
+        """Close the socket; the line stays open."""
+        self._socket.close()
+
+    def forward(self, wait: float = 0.0) -> int:
+        """Forward all that is there; wait at most `wait` [s] for the first. Returns the number of datagrams."""
+        line, datagrams = self._line.fileno(), self._socket.fileno()
+        ready, _, _ = select.select([line, datagrams], [], [], wait)
+        count = self._from_line() if line in ready else 0
+        return count + self._from_socket() if datagrams in ready else count
+
+    def _from_line(self) -> int:
+        """Send the datagrams of all frames that are whole; what is begun stays."""
+        *frames, begun = (self._begun + os.read(self._line.fileno(), LARGEST)).split(b"\0")
+        self._begun = begun[-LARGEST:]
+        found = [datagram_of(one) for one in frames]
+        datagrams = [one for one in found if one is not None]
+        self.broken += len(found) - len(datagrams)
+        if self._peer is not None:
+            for one in datagrams:
+                self._socket.sendto(one, self._peer)
+        return len(datagrams)
+
+    def _from_socket(self) -> int:
+        """Write all datagrams to the line."""
+        count = 0
+        while True:
+            try:
+                datagram, self._peer = self._socket.recvfrom(LARGEST)
+            except BlockingIOError:
+                return count
+            self._line.write(framed(datagram))
+            count += 1
