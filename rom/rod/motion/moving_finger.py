@@ -87,7 +87,8 @@ class MovingFinger:
     ):
         refuse_chambers(model.rod.scene, "motion")
         weight = model.rod.scene.get("gravity") or {"direction": [0.0, -1.0, 0.0], "acceleration": 0.0}
-        density, plate_density = density or weight.get("density"), plate_density or weight.get("plate_density", 7850.0)
+        density = weight.get("density") if density is None else density
+        plate_density = weight.get("plate_density", 7850.0) if plate_density is None else plate_density
         if density is None:
             raise ModelError("density must be given [kg/m^3], as the scene has no [gravity], got none")
         for name, value in (("density", density), ("plate_density", plate_density)):

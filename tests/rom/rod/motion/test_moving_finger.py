@@ -203,6 +203,7 @@ def test_a_step_of_no_numbers_or_no_length_is_refused(finger, point, length, mes
     [
         ({"density": None}, "density must be given"),
         ({"density": -1.0}, "density must be above 0"),
+        ({"density": 0.0}, "density must be above 0"),
         ({"density": np.inf}, "density must be above 0 and at most"),
         ({"plate_density": np.nan}, "plate_density must be above 0"),
         ({"radius": np.nan}, "radius must be from 0 to 1"),
