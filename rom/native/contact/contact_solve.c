@@ -28,6 +28,7 @@
                            derivatives, which are those of the last pose, are good to about 1e-4 [-] */
 #define FASTER 1e-2
 #define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
+#define CLOSE_MOVING 1e-6 /* converged in a step of time: contacts along flush edges come and go, and share forces otherwise */
 #define LONGEST 0.5     /* longest step [-] */
 
 /* Forces of the last pose's contacts for those of this pose, matched by name, plate and object; 0 for new contacts. */
@@ -126,7 +127,7 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */
-        if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
+        if (size < (problem->step ? CLOSE_MOVING : state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
             if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
             rubber = 1;
         }

@@ -213,22 +213,20 @@ double inertia_energy(const contact_problem *problem, const double *moving, cons
     return found;
 }
 
-void inertia_motion(const contact_problem *problem, const chain_state *state, double *found)
+void inertia_begun_place(const contact_problem *problem, int body, const double *point, double *place)
 {
-    memset(found, 0, (size_t)contact_size(problem) * sizeof *found);
-    for (int b = 0; b < problem->map->count; b++) {
-        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
-        const double *begun = begun_of(problem, b), *p = state->bodies[b].centre, *R = state->bodies[b].rotation;
-        /* R^T (p - p_0), and the turn */
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) found[W * b + i] += R[3 * j + i] * (p[j] - begun[PLACE + j]);
-        turn_between(begun + TURN, R, found + W * b + 3);
-    }
+    const double *begun = begun_of(problem, body);
+    for (int i = 0; i < 3; i++) place[i] = begun[PLACE + i] + objects_dot(begun + TURN + 3 * i, point);
 }
 
-/* (r - M A) / 2, where contact has the accelerations A = r_0 / M_0 when the step begins, with r_0 = r - G xi. */
+void inertia_begun_seen(const contact_problem *problem, int body, const double *direction, double *seen)
+{
+    objects_turned_back(begun_of(problem, body) + TURN, direction, seen);
+}
+
+/* (r - M A) / 2, where contact has the accelerations A = r_0 / M_0 when the step begins. */
 int inertia_excess(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *wrenches,
-                   const double *changes, double *found)
+                   const double *at_begin, double *found)
 {
     const int size = contact_size(problem);
     double system[CHAIN_WRENCH * CHAIN_WRENCH], begun[CHAIN_WRENCH];
@@ -236,7 +234,7 @@ int inertia_excess(const contact_problem *problem, const chain_state *state, con
     inertia_mass(problem, NULL, before);
     for (int i = 0; i < size; i++) {
         memcpy(system + size * i, before[i], (size_t)size * sizeof *system);
-        begun[i] = wrenches[i] - changes[i];
+        begun[i] = at_begin[i];
     }
     if (!small_solve(size, system, 1, begun)) return 0;
     /* seen from the frames at the end: accelerations of centres are those in space, angular ones turn along */

@@ -19,13 +19,14 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
 /* Kinetic energy of all bodies [J], which move so, (bodies, FINGERFEM_MOVING). */
 double inertia_energy(const contact_problem *problem, const double *moving, const chain_matrix mass);
 
-/* Motion of all bodies in the step, each in its frame at the end, (6 bodies) [m, rad]. */
-void inertia_motion(const contact_problem *problem, const chain_state *state, double *found);
+/* Where a point of a body was when the step began, (3) [m]; and a direction in space as seen from the body then, (3). */
+void inertia_begun_place(const contact_problem *problem, int body, const double *point, double *place);
+void inertia_begun_seen(const contact_problem *problem, int body, const double *direction, double *seen);
 
-/* By how much contact does more at the end than in the mean of the step, (6 bodies): of wrenches r there, by their changes G xi in it. Returns
- * 0 if the mass matrix is singular. */
+/* By how much contact does more at the end than in the mean of the step, (6 bodies): of wrenches there, and when the step began. Returns 0 if
+ * the mass matrix is singular. */
 int inertia_excess(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *wrenches,
-                   const double *changes, double *found);
+                   const double *at_begin, double *found);
 
 /* Inertial wrenches on all bodies at their poses, (6 bodies) [N, N m]; the second function adds their derivative by the bodies'
  * motions, (6 bodies, 6 bodies), to a matrix. */

@@ -131,7 +131,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     fingerfem_chain chain = *touching->chain;
     const fingerfem_touching touched = {&chain, touching->count, touching->objects};
     const int t = chain.tensions;
-    contact_step step = {.inertia = inertia, .begun = moving, .length = length};
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .mean = 1};
     double held[TENSIONS_MOST], seen[TENSIONS_MOST];
     relaxation_step relaxation;
     chain_rods map;
@@ -157,7 +157,15 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     memset(state.forces, 0, sizeof state.forces);
     state.at.contacts.count = 0;
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
-    const int evaluations = contact_solve_from(&problem, d, &state);
+    int evaluations = contact_solve_from(&problem, d, &state);
+    /* where edges lie flush, contacts come and go, and the mean of their wrenches with them: then as at the end */
+    if (evaluations <= 0 && step.mean) {
+        step.mean = 0;
+        memset(state.forces, 0, sizeof state.forces);
+        state.at.contacts.count = 0;
+        if (!chain_take_loads(&map, loads, state.wrench)) return -1;
+        evaluations = contact_solve_from(&problem, d, &state);
+    }
     if (evaluations <= 0) return evaluations;
     /* where the step ends, and how bodies move there */
     *energy = 0.0;

@@ -4,7 +4,7 @@
 #include "slices.h"
 #include "../linear_algebra/small.h"
 
-#define BEGUN 0.1 /* gap at the begin of a step, over half a section, from which a contact counts as new [-] */
+#define BEGUN 0.1 /* gap when a step begins, over half a section, from which a contact counts as new [-] */
 
 #define INLINE __attribute__((always_inline)) static inline
 
@@ -68,35 +68,36 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
     }
 }
 
-/* Whether contact k has lasted through the motion xi, or nearly: its gap at the begin, g_k - W_k xi + xi dW_k xi / 2 to second order, is
- * hardly more than such terms, or than an indentation. Adds W_k and its change dW_k xi, times its force, if it has. */
-static int lasted(const contact_problem *problem, const contact_state *state, int k, const double *motion, double *wrenches, double *changes)
+/* Whether contact k of a plate has lasted: its point was as near when the step began. Adds its wrenches W_k f at the end, and those when the
+ * step began, by the normal that the object has at the same point of the plate there. */
+static int lasted(const contact_problem *problem, const contact_state *state, int k, double *wrenches, double *begun)
 {
     const contact_arms *arms = state->at.arms + k;
-    double own[SLICE_INPUTS][SLICE_INPUTS], change[SLICE_INPUTS] = {0.0}, second = 0.0;
-    changes_of(problem, state, k, own);
-    for (int a = 0; a < W * arms->count; a++) {
-        for (int b = 0; b < W * arms->count; b++) change[a] += own[a][b] * motion[W * arms->bodies[b / W] + b % W];
-        second += change[a] * motion[W * arms->bodies[a / W] + a % W];
-    }
-    const double gap = state->at.contacts.gaps[k] - response_opening(&state->at, k, motion) + 0.5 * second;
-    if (!(fabs(gap) < fabs(second) + BEGUN * problem->touching->chain->segments[0]->half_lengths[1])) return 0;
+    const objects_contacts *contacts = &state->at.contacts;
+    const int j = contacts->objects[k], body = arms->bodies[0];
+    double point[3], place[3], normal[3], own[W], *wrench = begun + W * body;
+    if (arms->count > 1) return 0;
+    for (int i = 0; i < 3; i++) point[i] = contacts->points[k][i] + contacts->bent[k][i];
+    inertia_begun_place(problem, body, point, place);
+    const double gap = objects_distance(contact_object(problem, j), state->at.d + problem->ahead[j], place, normal);
+    if (!(fabs(gap) < BEGUN * problem->touching->chain->segments[0]->half_lengths[1])) return 0;
     response_press(&state->at, k, state->forces[k], wrenches);
-    for (int a = 0; a < W * arms->count; a++) changes[W * arms->bodies[a / W] + a % W] += state->forces[k] * change[a];
+    inertia_begun_seen(problem, body, normal, own);
+    objects_cross(point, own, own + 3);
+    for (int i = 0; i < W; i++) wrench[i] += state->forces[k] * own[i];
     return 1;
 }
 
 int response_excess(const contact_problem *problem, contact_state *state, double *wrench)
 {
-    double motion[CHAIN_WRENCH], wrenches[CHAIN_WRENCH] = {0.0}, changes[CHAIN_WRENCH] = {0.0};
+    double wrenches[CHAIN_WRENCH] = {0.0}, begun[CHAIN_WRENCH] = {0.0};
     int any = 0;
     memset(wrench, 0, (size_t)contact_size(problem) * sizeof *wrench);
-    inertia_motion(problem, &state->at.chain, motion);
     for (int k = 0; k < state->at.contacts.count; k++) {
-        state->lasting[k] = state->forces[k] > 0.0 && lasted(problem, state, k, motion, wrenches, changes);
+        state->lasting[k] = problem->step->mean && state->forces[k] > 0.0 && lasted(problem, state, k, wrenches, begun);
         any |= state->lasting[k];
     }
-    return !any || inertia_excess(problem, &state->at.chain, state->mass, wrenches, changes, wrench);
+    return !any || inertia_excess(problem, &state->at.chain, state->mass, wrenches, begun, wrench);
 }
 
 INLINE void product(int size, const chain_matrix a, const chain_matrix b, chain_matrix out)
