@@ -47,8 +47,7 @@ typedef struct {
 typedef struct {
     placed at;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
-    double pressed[CHAIN_WRENCH]; /* wrenches that contact must transmit */
-    int lasting[FINGERFEM_MOST_CONTACTS]; /* in a step of time: whether contacts press all along */
+    double pressed[CHAIN_WRENCH]; /* wrenches minus the inertial ones: those that contact must transmit */
     chain_matrix following, soft, yielding;
     chain_matrix mass; /* in a step of time */
 } contact_state;
@@ -60,7 +59,6 @@ typedef struct {
     const double *turning; /* of the base in its own axes: angular velocity [rad/s] and its rate, (6); NULL if it does not turn */
     double length, mean_mass, mean_force, beta, gamma;
     double contact; /* the share of contact forces that the balance at the step's end sees [-] */
-    int mean;       /* whether lasting contacts act by their mean in the step; else as at its end */
 } contact_step;
 
 /* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is

@@ -28,7 +28,6 @@
                            derivatives, which are those of the last pose, are good to about 1e-4 [-] */
 #define FASTER 1e-2
 #define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
-#define CLOSE_MOVING 1e-6 /* converged in a step of time: contacts along flush edges come and go, and share forces otherwise */
 #define LONGEST 0.5     /* longest step [-] */
 
 /* Forces of the last pose's contacts for those of this pose, matched by name, plate and object; 0 for new contacts. */
@@ -49,18 +48,6 @@ static int any(int count, const double *values)
     return found;
 }
 
-/* The wrenches that contact must transmit: w, minus the inertial wrenches in a step of time, in which contact acts by its mean, see response_excess. */
-static int transmit(const contact_problem *problem, contact_state *state)
-{
-    double inertial[CHAIN_WRENCH], excess[CHAIN_WRENCH];
-    memcpy(state->pressed, state->wrench, (size_t)contact_size(problem) * sizeof *state->wrench);
-    if (!problem->step) return 1;
-    inertia_wrenches(problem, &state->at.chain, state->mass, inertial);
-    if (!response_excess(problem, state, excess)) return 0;
-    for (int i = 0; i < contact_size(problem); i++) state->pressed[i] += problem->share * excess[i] - inertial[i];
-    return 1;
-}
-
 /* One Newton step, damped by the factor `most`. Returns its size before damping, the largest change of a wrench over
  * its box, or -1 on failure. */
 static double step(const contact_problem *problem, double most, contact_state *state)
@@ -69,18 +56,22 @@ static double step(const contact_problem *problem, double most, contact_state *s
     const objects_contacts *contacts = &state->at.contacts;
     const int w = contact_size(problem);
     double forces[FINGERFEM_MOST_CONTACTS], target[CHAIN_WRENCH], change[CHAIN_WRENCH], size = 0.0;
+    /* the wrenches that contact must transmit, w - I, with the inertial wrenches I */
+    memcpy(state->pressed, state->wrench, (size_t)w * sizeof *state->wrench);
     if (problem->step) inertia_mass(problem, &state->at.chain, state->mass);
+    if (problem->step) inertia_wrenches(problem, &state->at.chain, state->mass, target);
+    for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= target[i];
     /* G and S by the last forces; then the forces of the linear complementarity problem */
-    if (!transmit(problem, state) || !response_find(problem, state)) return -1.0;
+    if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
     if (!response_balance(problem, state, forces)) return -1.0;
     /* a wrench was given, but no forces: find G by the forces just found, and solve again */
     if (any(w, state->wrench) && any(contacts->count, forces) && !any(contacts->count, state->forces)) {
         memcpy(state->forces, forces, sizeof forces);
         response_indent(problem, state);
-        if (!transmit(problem, state) || !response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
+        if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
     }
-    /* dw = S (W f - pressed) */
+    /* dw = S (W f - (w - I)) */
     for (int i = 0; i < w; i++) target[i] = -state->pressed[i];
     for (int k = 0; k < contacts->count; k++)
         if (forces[k] > 0.0) response_press(&state->at, k, problem->share * forces[k], target);
@@ -127,7 +118,7 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */
-        if (size < (problem->step ? CLOSE_MOVING : state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
+        if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
             if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
             rubber = 1;
         }

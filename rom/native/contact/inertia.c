@@ -17,8 +17,7 @@
  *
  *     p = p_a + h^2 / 2 r / M,    v = v_a + h r / M,
  *
- * where p_a and v_a are by a alone. r is the mean of the wrenches of contact forces f along the normals at both ends (see
- * response_excess), so that its work is f (g - g_0) <= 0, as gaps g close in a step or stay closed. With the whole way in D
+ * where p_a and v_a are by a alone. Its work is r (p - p_0) <= 0, as gaps close in a step or stay closed. With the whole way in D
  * above, what elements balance is -M v' + contact r, with contact = (1 - mean_mass) / (2 beta (1 - mean_force)). Then pressing
  * contacts keep no velocity along their normals n, as in an impact without a rebound: v -= W (W^T W / M)^-1 W^T v / M.
  */
@@ -142,17 +141,12 @@ static void add_block(const double *K, int first, int second, const double *Q, c
         }
 }
 
-static const double *rotation_at(const contact_problem *problem, const chain_state *state, int body)
-{
-    return state ? state->bodies[body].rotation : begun_of(problem, body) + TURN;
-}
-
-/* From the frame of a body to that between it and the one before, whose rotation is NULL at the clamp: by half the turn, (3, 3). */
-static void middle_of(const double *before, const double *rotation, double *found)
+/* From the frame of a body to that between it and the one before, which is the clamp if NULL: by half the turn, (3, 3). */
+static void middle_of(const chain_body *before, const chain_body *body, double *found)
 {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     double turn[3];
-    turn_between(before ? before : upright, rotation, turn);
+    turn_between(before ? before->rotation : upright, body->rotation, turn);
     for (int i = 0; i < 3; i++) turn[i] *= 0.5;
     rotation_of(turn, found);
 }
@@ -181,7 +175,7 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
         }
         /* the element towards the clamp, in the frame between both its sections */
         double to_middle[9], from_middle[9];
-        middle_of(before ? rotation_at(problem, state, b - 1) : NULL, rotation_at(problem, state, b), to_middle);
+        middle_of(b ? state->bodies + b - 1 : NULL, state->bodies + b, to_middle);
         for (int i = 0; i < 9; i++) from_middle[i] = to_middle[3 * (i % 3) + i / 3];
         add_block(K, 0, 0, to_middle, to_middle, b, b, mass);
         if (!before) continue;
@@ -211,45 +205,6 @@ double inertia_energy(const contact_problem *problem, const double *moving, cons
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) found += 0.5 * v[i] * mass[i][j] * v[j];
     return found;
-}
-
-void inertia_begun_place(const contact_problem *problem, int body, const double *point, double *place)
-{
-    const double *begun = begun_of(problem, body);
-    for (int i = 0; i < 3; i++) place[i] = begun[PLACE + i] + objects_dot(begun + TURN + 3 * i, point);
-}
-
-void inertia_begun_seen(const contact_problem *problem, int body, const double *direction, double *seen)
-{
-    objects_turned_back(begun_of(problem, body) + TURN, direction, seen);
-}
-
-/* (r - M A) / 2, where contact has the accelerations A = r_0 / M_0 when the step begins. */
-int inertia_excess(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *wrenches,
-                   const double *at_begin, double *found)
-{
-    const int size = contact_size(problem);
-    double system[CHAIN_WRENCH * CHAIN_WRENCH], begun[CHAIN_WRENCH];
-    chain_matrix before;
-    inertia_mass(problem, NULL, before);
-    for (int i = 0; i < size; i++) {
-        memcpy(system + size * i, before[i], (size_t)size * sizeof *system);
-        begun[i] = at_begin[i];
-    }
-    if (!small_solve(size, system, 1, begun)) return 0;
-    /* seen from the frames at the end: accelerations of centres are those in space, angular ones turn along */
-    for (int b = 0; b < problem->map->count; b++) {
-        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
-        const double *R = state->bodies[b].rotation, *before_R = begun_of(problem, b) + TURN;
-        double space[3];
-        for (int i = 0; i < 3; i++) space[i] = objects_dot(before_R + 3 * i, begun + W * b);
-        for (int i = 0; i < 3; i++) begun[W * b + i] = R[i] * space[0] + R[3 + i] * space[1] + R[6 + i] * space[2];
-    }
-    for (int i = 0; i < size; i++) {
-        found[i] = 0.5 * wrenches[i];
-        for (int j = 0; j < size; j++) found[i] -= 0.5 * mass[i][j] * begun[j];
-    }
-    return 1;
 }
 
 /* On a base that turns by w and has its acceleration at the clamp in the weight (see motion.c), a body at p with the velocity v and the
@@ -286,7 +241,7 @@ static void subtract_clamp(const contact_problem *problem, const chain_state *st
     const int b = problem->map->bodies[0].segment == CHAIN_GROUND;
     const double *K = problem->step->inertia->elements + 4 * W * W * chain_load_of(problem->map, b), *rate = problem->step->turning + 3;
     double to_middle[9], turn[3], middle[W];
-    middle_of(NULL, state->bodies[b].rotation, to_middle);
+    middle_of(NULL, state->bodies + b, to_middle);
     /* P w', with P = Q^T */
     for (int i = 0; i < 3; i++) turn[i] = to_middle[i] * rate[0] + to_middle[3 + i] * rate[1] + to_middle[6 + i] * rate[2];
     for (int i = 0; i < W; i++) middle[i] = objects_dot(K + 2 * W * i + W + 3, turn);

@@ -12,21 +12,11 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
 /* The same of a body at rest where it is. */
 void inertia_at_rest(const chain_body *body, double *moving);
 
-/* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. Where the step began if the
- * state is NULL. */
+/* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. */
 void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass);
 
 /* Kinetic energy of all bodies [J], which move so, (bodies, FINGERFEM_MOVING). */
 double inertia_energy(const contact_problem *problem, const double *moving, const chain_matrix mass);
-
-/* Where a point of a body was when the step began, (3) [m]; and a direction in space as seen from the body then, (3). */
-void inertia_begun_place(const contact_problem *problem, int body, const double *point, double *place);
-void inertia_begun_seen(const contact_problem *problem, int body, const double *direction, double *seen);
-
-/* By how much contact does more at the end than in the mean of the step, (6 bodies): of wrenches there, and when the step began. Returns 0 if
- * the mass matrix is singular. */
-int inertia_excess(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *wrenches,
-                   const double *at_begin, double *found);
 
 /* Inertial wrenches on all bodies at their poses, (6 bodies) [N, N m]; the second function adds their derivative by the bodies'
  * motions, (6 bodies, 6 bodies), to a matrix. */

@@ -33,17 +33,15 @@ static void forces_along(const contact_problem *problem, const contact_state *st
 
 /* The contacts that press, `rows`, their number; and changes of the acceleration of all bodies, (size, 1 + number): r / M with
  * the wrenches r of contact, then W_k / M of each. Returns -1 if the mass matrix is singular. */
-static int accelerated(const contact_problem *problem, contact_state *state, int *rows, double *found)
+static int accelerated(const contact_problem *problem, const contact_state *state, int *rows, double *found)
 {
     const int size = contact_size(problem);
-    double system[CHAIN_WRENCH * CHAIN_WRENCH], excess[CHAIN_WRENCH];
+    double system[CHAIN_WRENCH * CHAIN_WRENCH];
     int count = 0;
     for (int k = 0; k < state->at.contacts.count; k++)
         if (state->forces[k] > 0.0) rows[count++] = k;
     /* right-hand sides r, W_1, W_2, ... */
     memset(found, 0, (size_t)(size * (1 + count)) * sizeof *found);
-    if (!response_excess(problem, state, excess)) return -1;
-    for (int i = 0; i < size; i++) found[(1 + count) * i] = -excess[i];
     for (int k = 0; k < count; k++) {
         const contact_arms *arms = state->at.arms + rows[k];
         for (int a = 0; a < arms->count; a++)
@@ -131,7 +129,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     fingerfem_chain chain = *touching->chain;
     const fingerfem_touching touched = {&chain, touching->count, touching->objects};
     const int t = chain.tensions;
-    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .mean = 1};
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length};
     double held[TENSIONS_MOST], seen[TENSIONS_MOST];
     relaxation_step relaxation;
     chain_rods map;
@@ -157,15 +155,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     memset(state.forces, 0, sizeof state.forces);
     state.at.contacts.count = 0;
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
-    int evaluations = contact_solve_from(&problem, d, &state);
-    /* where edges lie flush, contacts come and go, and the mean of their wrenches with them: then as at the end */
-    if (evaluations <= 0 && step.mean) {
-        step.mean = 0;
-        memset(state.forces, 0, sizeof state.forces);
-        state.at.contacts.count = 0;
-        if (!chain_take_loads(&map, loads, state.wrench)) return -1;
-        evaluations = contact_solve_from(&problem, d, &state);
-    }
+    const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
     /* where the step ends, and how bodies move there */
     *energy = 0.0;

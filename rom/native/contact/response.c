@@ -4,8 +4,6 @@
 #include "slices.h"
 #include "../linear_algebra/small.h"
 
-#define BEGUN 0.1 /* gap when a step begins, over half a section, from which a contact counts as new [-] */
-
 #define INLINE __attribute__((always_inline)) static inline
 
 /* Change of the wrenches of a unit force at contact k with the motions of its bodies: (6 bodies, 6 bodies). */
@@ -31,8 +29,7 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         changes_of(problem, state, k, own);
-        const int mean = problem->step && state->lasting[k];
-        const double force = problem->share * state->forces[k] * (mean ? 0.5 : 1.0);
+        const double force = problem->share * state->forces[k];
         /* G += f_k dW_k, in the blocks of the contact's bodies a, b */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
@@ -40,13 +37,6 @@ static void follow(const contact_problem *problem, contact_state *state)
                     for (int j = 0; j < W; j++)
                         state->following[W * arms->bodies[a] + i][W * arms->bodies[b] + j] +=
                             force * own[W * a + i][W * b + j];
-        /* of the mean in a step, see response_excess: F x theta / 2 besides, as forces have it in space */
-        for (int a = 0; a < arms->count && mean; a++)
-            for (int i = 0; i < 3; i++) {
-                double *row = state->following[W * arms->bodies[a] + i] + W * arms->bodies[a] + 3;
-                row[(i + 1) % 3] -= force * arms->wrenches[a][(i + 2) % 3];
-                row[(i + 2) % 3] += force * arms->wrenches[a][(i + 1) % 3];
-            }
     }
 }
 
@@ -66,38 +56,6 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
                     for (int j = 0; j < W; j++)
                         wrench[W * arms->bodies[a] + i] += state->forces[k] * own[W * a + i][W * b + j] * motion[W * arms->bodies[b] + j];
     }
-}
-
-/* Whether contact k of a plate has lasted: its point was as near when the step began. Adds its wrenches W_k f at the end, and those when the
- * step began, by the normal that the object has at the same point of the plate there. */
-static int lasted(const contact_problem *problem, const contact_state *state, int k, double *wrenches, double *begun)
-{
-    const contact_arms *arms = state->at.arms + k;
-    const objects_contacts *contacts = &state->at.contacts;
-    const int j = contacts->objects[k], body = arms->bodies[0];
-    double point[3], place[3], normal[3], own[W], *wrench = begun + W * body;
-    if (arms->count > 1) return 0;
-    for (int i = 0; i < 3; i++) point[i] = contacts->points[k][i] + contacts->bent[k][i];
-    inertia_begun_place(problem, body, point, place);
-    const double gap = objects_distance(contact_object(problem, j), state->at.d + problem->ahead[j], place, normal);
-    if (!(fabs(gap) < BEGUN * problem->touching->chain->segments[0]->half_lengths[1])) return 0;
-    response_press(&state->at, k, state->forces[k], wrenches);
-    inertia_begun_seen(problem, body, normal, own);
-    objects_cross(point, own, own + 3);
-    for (int i = 0; i < W; i++) wrench[i] += state->forces[k] * own[i];
-    return 1;
-}
-
-int response_excess(const contact_problem *problem, contact_state *state, double *wrench)
-{
-    double wrenches[CHAIN_WRENCH] = {0.0}, begun[CHAIN_WRENCH] = {0.0};
-    int any = 0;
-    memset(wrench, 0, (size_t)contact_size(problem) * sizeof *wrench);
-    for (int k = 0; k < state->at.contacts.count; k++) {
-        state->lasting[k] = problem->step->mean && state->forces[k] > 0.0 && lasted(problem, state, k, wrenches, begun);
-        any |= state->lasting[k];
-    }
-    return !any || inertia_excess(problem, &state->at.chain, state->mass, wrenches, begun, wrench);
 }
 
 INLINE void product(int size, const chain_matrix a, const chain_matrix b, chain_matrix out)

@@ -60,10 +60,6 @@ void response_press(const placed *at, int k, double force, double *wrench);
 int response_follow(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
                     double *wrench_change, double (*by_object)[CHAIN_WRENCH]);
 
-/* In a step of time: by how much lasting contacts of plates do more at its end than in its mean, see inertia_excess; others act as they do
- * at the end. Returns 0 if the mass matrix is singular. */
-int response_excess(const contact_problem *problem, contact_state *state, double *wrench);
-
 /* The wrenches of an object's contacts on all bodies. */
 void response_wrenches(const contact_problem *problem, const contact_state *state, int object, double *wrench);
 
