@@ -97,7 +97,7 @@ def _check_plane_of(own: dict[str, Any], held_out: SnapshotSet) -> None:
 
 
 def _check_same_finger(own: dict[str, Any], held_out: SnapshotSet) -> None:
-    scene, keys = held_out.description.scene, ("geometry", "section", "material", "tendons", "gravity")
+    scene, keys = held_out.description.scene, ("geometry", "section", "material", "materials", "tendons", "gravity")
     other = difference({key: own.get(key) for key in keys}, {key: scene.get(key) for key in keys})
     if other:
         raise SnapshotError(f"{held_out.path}: must hold states of the model's finger: {other}")

@@ -40,6 +40,7 @@ STUDIES = {
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
+    "random_fingers": Study("appendix", _same("random_fingers")),
     "required": Study("appendix", _same("required")),
     "figures": Study("appendix", _same("figures")),
     "peers": Study("peers", _same("beams") | OTHER_NAMES),

@@ -2,7 +2,7 @@
 
 from rom import Rod, TouchedSegment
 from rom.rod.objects.shapes import facing_plane
-from rom.rod.scene.scene_of_rod import MODULI
+from rom.rod.scene.materials_of_rod import MODULI
 
 
 def scaled(rod: Rod, length: float = 1.0, modulus: float = 1.0) -> Rod:

@@ -30,7 +30,8 @@ class StepOptions:
         first_turn: the same for the first step [rad].
         approach: most the plane may move in a step, over the finger's length [-].
         touch: how far the plane moves past the first node it meets, over the finger's side [-].
-        halvings: the path is given up when a step fails that is 2^halvings times shorter than the first one.
+        halvings: the path is given up when a step fails that is 2^halvings times shorter than the first one ...
+        wasted: ... or when its failed steps took more iterations than this. Paths that go on take up to 122.
     """
 
     turn: float = 0.75
@@ -38,6 +39,7 @@ class StepOptions:
     approach: float = 0.15
     touch: float = 1e-7
     halvings: int = 10
+    wasted: int = 300
 
 
 class Loads(NamedTuple):
@@ -125,7 +127,7 @@ class Continuation:
         self.wrenches = np.zeros_like(self.problem.wrenches) if wrenches is None else np.array(wrenches, float)
         self.problem.displacement[:] = displacement
         self._set_loads()
-        self.iterations, self.steps = 0, 0
+        self.iterations, self._wasted, self.steps = 0, 0, 0
         self.strategies: Counter[str] = Counter()
         self._linearisation: Linearisation | None = None
         self._last: Step | None = None
@@ -154,7 +156,7 @@ class Continuation:
         comes = self._place_obstacle(distance)
         origin = self._loads
         largest, first = self._sizes(target)
-        fraction, size, failed = 0.0, first, False
+        fraction, size, failed, wasted = 0.0, first, False, self._wasted
         while fraction < 1.0:
             # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
@@ -164,8 +166,9 @@ class Continuation:
             try:
                 needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:
-                if halvings >= self.options.halvings:
-                    raise self._failure(failure.reason, without_obstacle=comes and not fraction) from None
+                if halvings >= self.options.halvings or self._wasted - wasted > self.options.wasted:
+                    tried = f"{failure.reason}; failed steps took {self._wasted - wasted} iterations"
+                    raise self._failure(tried, without_obstacle=comes and not fraction) from None
                 size, failed = share / 2, True
                 continue
             if needed <= 6 and not failed:
@@ -231,7 +234,7 @@ class Continuation:
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:
-                self.iterations += failure.iterations
+                self.iterations, self._wasted = self.iterations + failure.iterations, self._wasted + failure.iterations
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
                 continue

@@ -115,9 +115,10 @@ def _check_block(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
     for name, other, its_half, gap in blocks:
         away = float((np.abs(centre - other) - half - its_half).max())
         if away < gap - scene.outline.tolerance:
+            got = f"{away:g} m from" if away >= 0 else f"an overlap of {-away:g} m with"
             raise ValueError(
                 f"chambers.{k}.centre must be such that no channel, straight tendon or other chamber meets it "
-                f"(at least {gap:g} m away), got {away:g} m from {name}"
+                f"(at least {gap:g} m away), got {got} {name}"
             )
 
 
@@ -136,12 +137,6 @@ def check_density(scene: Scene) -> None:
 
 def check_materials(scene: Scene) -> None:
     """Other materials lie in the finger and have no cells in common."""
-    for name in ("load", "coarse"):
-        if scene.materials and getattr(scene, name) is not None:
-            raise ValueError(
-                f"{name} must be left out of a scene with several materials: rod elements have one; solve it "
-                f"without, or in front of an obstacle, got {len(scene.materials)} materials"
-            )
     shape, least = scene.geometry.shape, scene.geometry.side / 100
     regions = ["section", *(one for one in ("rectangle", "group") if one == shape.chamber_region)]
     for k, one in enumerate(scene.materials):
@@ -158,6 +153,11 @@ def check_materials(scene: Scene) -> None:
                 raise ValueError(
                     f"materials.{k}.x must be at least a hundredth of the side ({least:g} m) long and end on the "
                     f"finger, at most at {scene.geometry.length:g} m, got {one.x}"
+                )
+            if scene.load is not None and (one.x[0] > 0 or one.x[1] < scene.outline.plates[-1][0]):
+                raise ValueError(
+                    f"materials.{k}.x must be left out of a scene with a load: rod elements have one section all along "
+                    f"the axis, got {one.x}"
                 )
         if one.centre is not None and one.size is not None:
             beyond = np.abs(one.centre) + np.array(one.size) / 2 - np.array(shape.extents) / 2

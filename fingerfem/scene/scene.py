@@ -106,6 +106,8 @@ class Scene(SceneTable):
     def _choose(cls, table: Any) -> Any:
         if not isinstance(table, dict):
             return table
+        if table.get("materials"):
+            table = {key: value for key, value in table.items() if key != "rubber"}  # written by the program
         if table.get("expected") is not None:  # it was chosen when it was written
             if not any(table.get(key) for key in KEYS):
                 raise ValueError(f"expected must be left out where no {' or '.join(KEYS)} chooses it, got a table")
@@ -263,6 +265,8 @@ class Scene(SceneTable):
         for name in ("chambers", "materials"):
             if not getattr(self, name):
                 written.pop(name, None)
+        if self.materials:  # for rod elements, whose own stiffness is not the rubber's
+            written["rubber"] = {"E": self.material.young_modulus, "nu": self.material.poisson}
         if self.section is not None and self.section.is_square:
             written.pop("section", None)
         return written

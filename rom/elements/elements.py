@@ -39,6 +39,7 @@ class Elements:
         error_factors: by quantity, how many times the deviation of the laws' variants an estimated error is, so that it
             covers what was left out [-]; UNCALIBRATED of a quantity that is missing.
         size: times how large they are, of what the scene says [-].
+        modulus: times how stiff their rubber is, likewise [-].
     """
 
     laws: dict[str, ElementLaw]
@@ -49,6 +50,7 @@ class Elements:
     provenance: dict[str, Any]
     error_factors: dict[str, float] = field(default_factory=dict)
     size: float = 1.0
+    modulus: float = 1.0
 
     @property
     def tensions(self) -> int:
@@ -64,7 +66,8 @@ class Elements:
         laws = {kind: law.scaled(size, modulus) for kind, law in self.laws.items()}
         outlines = {kind: law.scaled(size, modulus) for kind, law in self.outlines.items()}
         force, section = self.force * modulus * size**2, self.section.scaled(size)
-        return replace(self, laws=laws, outlines=outlines, section=section, force=force, size=self.size * size)
+        found = replace(self, laws=laws, outlines=outlines, section=section, force=force)
+        return replace(found, size=self.size * size, modulus=self.modulus * modulus)
 
     def write(self, file: h5py.Group) -> None:
         """Write them into an open file."""

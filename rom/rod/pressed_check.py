@@ -16,7 +16,7 @@ from rom.elements.samples.section_states import read_section_states
 from rom.error_statistics import quantiles
 from rom.rod.rod import Rod
 
-OF_THE_FINGER = "geometry", "section", "material", "gravity"
+OF_THE_FINGER = "geometry", "section", "material", "materials", "gravity"
 
 
 def _finger(scene: dict[str, Any]) -> dict[str, Any]:

@@ -242,7 +242,7 @@ class Rod(PickledByFields):
             ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        trained = {name: table for name, table in self.elements.scene.items() if name != "chambers"}
+        trained = {name: table for name, table in self.elements.scene.items() if name not in ("chambers", "materials")}
         section = trained.pop("section", None)
         if section and "digest" in section and section["digest"] == tables.get("section", {}).get("digest"):
             tables["section"] = section  # with what was measured of the file

@@ -44,6 +44,8 @@ class Segment(PickledByFields):
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
         bulges: see `bulges_of`; None without chambers.
+        rubber: Young's modulus [Pa] and Poisson's ratio [-] of the rubber among other materials, which touches; None if
+            it is alone.
     """
 
     elements: Sequence[ElementMap]
@@ -57,6 +59,7 @@ class Segment(PickledByFields):
     length: float
     begins: float = 1.0
     bulges: np.ndarray | None = None
+    rubber: tuple[float, float] | None = None
 
     @property
     def tensions(self) -> int:
@@ -70,7 +73,9 @@ class Segment(PickledByFields):
 
     @cached_property
     def young_modulus(self) -> float:
-        """Of the rubber at small strain, as the segment stretches [Pa]."""
+        """Of the rubber at small strain, as the segment stretches where it is alone [Pa]."""
+        if self.rubber is not None:
+            return self.rubber[0]
         pull = 1e-3 * self.elements[0].polynomial.upper[-6]
         inputs = np.zeros((2, self.tensions + 6))
         inputs[:, -6] = -pull, pull
@@ -82,6 +87,8 @@ class Segment(PickledByFields):
     @cached_property
     def poisson(self) -> float:
         """Poisson's ratio of the rubber at small strain, as the middle element thins where it is pulled [-]."""
+        if self.rubber is not None:
+            return self.rubber[1]
         k = len(self.elements) // 2
         outline, pull = self.outlines[k], 1e-3 * self.elements[k].polynomial.upper[-6]
         inputs = np.zeros((2, len(outline.polynomial.lower)))
@@ -177,7 +184,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         shear = shear_by_bending(elements.laws[INTERIOR])
         laws = {one: tapered(law, one, shear) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
-    section = elements.section.scaled(end)
+    section, rubber = elements.section.scaled(end), elements.scene.get("rubber")
     half = np.array([elements.size * end * geometry["plate"] / 2, *section.box])
     outlines = {}
     for k, one in enumerate(pieces):
@@ -199,6 +206,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         bulges=bulges_of([laws[one] for one in pieces], elements.scene, elements.size, trained)
         if elements.scene.get("chambers")
         else None,
+        rubber=None if rubber is None else (elements.modulus * rubber["E"], rubber["nu"]),
     )
 
 

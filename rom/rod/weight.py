@@ -10,6 +10,7 @@ import numpy as np
 from rom.brief import brief
 from rom.dataset.sections.section import area
 from rom.files.checked_file import ModelError
+from rom.rod.scene.materials_of_rod import line_mass
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -80,13 +81,14 @@ def weight_of(rod: Rod) -> Weight | None:
     if table is None:
         return None
     whole, masses, rubber = area(rod.scene), list[float](), list[float]()
+    density = line_mass(rod.scene, table["density"]).density
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
         plate = 2 * float(segment.half_lengths[0]) * segment.area
         lengths = np.array([piece.length for piece in own])
         lengths[0] -= segment.half_lengths[0]  # its distal section is the plate's centre
         areas = np.array([whole * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own])
         rest = lengths * areas - _voids(rod.scene, lengths)
-        masses += [table["plate_density"] * plate, *(table["density"] * rest).tolist()]
+        masses += [table["plate_density"] * plate, *(density * rest).tolist()]
         rubber += [0.0, *lengths.tolist()]
     direction = np.array(table["direction"])
     gravity = table["acceleration"] * direction / np.linalg.norm(direction)

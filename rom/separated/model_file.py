@@ -59,7 +59,7 @@ def read(file: h5py.File) -> dict[str, Any]:
     texts = [text for one in parameters for text in (one.name, one.unit)]
     require(all(isinstance(text, str) for text in texts), "parameters must have text as names and units", texts)
     _check_ends("parameters", np.array([[one.lower, one.upper] for one in parameters], float).T)
-    scene = tree["scene"] | of_tables(tree["scene"])
+    scene = tree["scene"] | of_tables(tree["scene"] | {"materials": []})  # which may be along a part
     require(count_of(scene) == p - 1, f"tendons and chambers must be {p - 1}", count_of(scene))
     nodes = tree["displacement"]["nodes"] if "displacement" in tree else None
     if nodes is not None:

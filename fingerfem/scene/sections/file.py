@@ -16,6 +16,7 @@ from fingerfem.scene.sections.plane_mesh import RUBBER, PlaneMesh
 from fingerfem.scene.sections.section import Column, Inside, Section, Wanted
 from rom.dataset.sections.section_outline import MOST_VERTICES
 
+INLAY = "material "  # before the name of another material, the name of its group
 GROUPS = {"channel": "channel", "straight": "hole"}  # of a tendon's path: the first word of its group's name
 
 
@@ -62,7 +63,15 @@ class FromFile(Section):
             angles = 2 * np.pi * np.arange(MOST_VERTICES) / MOST_VERTICES
             hull = hull[np.unique((hull @ [np.cos(angles), np.sin(angles)]).argmax(axis=0))]
         squares = (self._plain.second_moments[:2] / self.area).tolist()
-        return {"area": self.area, "mean_squares": squares, "hull": hull.tolist()}
+        found = {"area": self.area, "mean_squares": squares, "hull": hull.tolist()}
+        groups = {name.removeprefix(INLAY): own for name, own in self._read.groups.items() if name.startswith(INLAY)}
+        return found | ({"materials": {name: self._measured(own) for name, own in groups.items()}} if groups else {})
+
+    def _measured(self, quads: np.ndarray) -> dict[str, Any]:
+        """Area [m^2], centroid [m] and means of y^2 and z^2 [m^2] of a group of quadrilaterals."""
+        own = PlaneMesh(points=self._plain.points, quads=self._plain.quads[quads], tags=self._plain.tags[quads])
+        squares = own.second_moments[:2] / own.area + own.centroid**2
+        return {"area": own.area, "centroid": own.centroid.tolist(), "mean_squares": squares.tolist()}
 
     @property
     def _plain(self) -> PlaneMesh:
@@ -107,7 +116,7 @@ class FromFile(Section):
         """The file's mesh, every edge divided into as many parts as cells are asked for."""
         columns = {f"{GROUPS[one.path]} {one.name}": one for one in reversed(wanted.columns)}
         names: dict[str, Column | Inside] = {**columns, **{f"chamber {one.name}": one for one in wanted.cavities}}
-        names |= {f"material {one.name}": one for one in wanted.inlays if one.region == "group"}
+        names |= {f"{INLAY}{one.name}": one for one in wanted.inlays if one.region == "group"}
         shared = {
             f"{GROUPS[one.path]} {one.name}" for one in wanted.columns if wanted.columns[one.tag].name != one.name
         }

@@ -152,7 +152,7 @@ def _no_slivers(lines: np.ndarray) -> np.ndarray:
     thinnest, mean = np.diff(lines).min(), (lines[-1] - lines[0]) / (len(lines) - 1)
     if thinnest < mean / SLIVER:
         raise ValueError(
-            f"must not be forced to cells thinner than 1/{SLIVER} of the mean, {mean:.3g} m, by channels and pad that "
-            f"almost touch, got {thinnest:.3g} m"
+            f"must not be forced to cells thinner than 1/{SLIVER} of the mean, {mean:.3g} m, by channels, chambers, "
+            f"materials or a pad that almost touch, got {thinnest:.3g} m"
         )
     return lines

@@ -51,10 +51,10 @@ class Mirror:
 def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[Mirror]:
     """Those maps of a square that exchange nodes, tendons of one range and path, and chambers of one span and range.
 
-    The identity is left out.
+    They also exchange rectangles of one material. The identity is left out, and so is all with a material in a group.
 
     Args:
-        scene: with the tendons and chambers.
+        scene: with the tendons, chambers and materials.
         nodes: of a section's mesh, y and z, shape (nodes, 2) [m]; a square's if None.
     """
     signs = [np.diag(pair) for pair in product((1.0, -1.0), repeat=2)]
@@ -62,7 +62,19 @@ def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[M
     if nodes is not None:
         near, tree = SHARE * np.abs(nodes).max(), cKDTree(nodes)
         maps = [S for S in maps if tree.query(nodes @ S.T)[0].max() < near]
+    blocks = [one for one in scene.get("materials") or [] if one["region"] != "section"]
+    if any(one["region"] == "group" for one in blocks):
+        return []
+    maps = [S for S in maps if _exchanges(S, blocks, [one["material"] for one in blocks])[1]]
     return [found for S in maps if (found := _of_section(S, scene["tendons"], scene.get("chambers") or [])) is not None]
+
+
+def _exchanges(S: np.ndarray, blocks: list[dict[str, Any]], kinds: Sequence[Any]) -> tuple[np.ndarray, bool]:
+    """Which rectangles, as rows, everyone becomes, and whether each becomes one of its kind and size."""
+    found = _exchange(S, [one["centre"] for one in blocks], kinds)
+    sizes = np.array([one["size"] for one in blocks]).reshape(-1, 2)
+    one_each = bool((found.sum(axis=0) == 1).all())
+    return found, one_each and np.allclose(found.T @ sizes, sizes @ np.abs(S), rtol=SHARE, atol=0)
 
 
 def _of_section(S: np.ndarray, tendons: list[dict[str, Any]], chambers: list[dict[str, Any]]) -> Mirror | None:
@@ -70,12 +82,9 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]], chambers: list[dic
     pulled = _exchange(
         S, [one["offset"] for one in tendons], [(one["tension"], one["path"], one["segment"]) for one in tendons]
     )
-    pushed = _exchange(S, [one["centre"] for one in chambers], [(one["x"], one["pressure"]) for one in chambers])
-    sizes = np.array([one["size"] for one in chambers]).reshape(-1, 2)
+    pushed, alike = _exchanges(S, chambers, [(one["x"], one["pressure"]) for one in chambers])
     exchange = block_diag(pulled, pushed) if chambers else pulled
-    if not (exchange.sum(axis=0) == 1).all() or not np.allclose(
-        pushed.T @ sizes, sizes @ np.abs(S), rtol=SHARE, atol=0
-    ):
+    if not alike or not (pulled.sum(axis=0) == 1).all():
         return None
     polar = block_diag(1.0, S)
     axial = np.linalg.det(S) * polar

@@ -42,13 +42,14 @@ typedef struct {
     rubber_slice slice[FINGERFEM_MOST_CONTACTS];
 } placed;
 
-/* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts, and G, S and
- * C S. */
+/* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts; G; and the
+ * factors of 1 / S = 1 - G C, with the rows that they exchange. */
 typedef struct {
     placed at;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
     double pressed[CHAIN_WRENCH]; /* wrenches minus the inertial ones: those that contact must transmit */
-    chain_matrix following, soft, yielding;
+    chain_matrix following, factors;
+    int exchanged[CHAIN_WRENCH];
     chain_matrix mass; /* in a step of time */
 } contact_state;
 

@@ -81,6 +81,14 @@ class Stepper:
         known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
         return self._state.copy() if known else None
 
+    def linearised(self, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Mass matrix, and motions of all bodies by wrenches on them, at tensions, shapes (6 bodies, 6 bodies)."""
+        found = np.empty((2, 6 * self._bodies, 6 * self._bodies))
+        self._point[: len(tensions)] = tensions
+        chain, results = self._touching.chain, [pointer(one) for one in found]
+        LIBRARY.functions.fingerfem_linearise(chain, self._with_mass, self._given, self._memory, *results)
+        return found[0], found[1]
+
     def step(
         self,
         state: np.ndarray,

@@ -14,6 +14,7 @@ import numpy as np
 from rom.brief import brief
 from rom.dataset.sections.section import area, mean_squares
 from rom.rod.rod import Rod
+from rom.rod.scene.materials_of_rod import line_mass
 
 SHEAR = 0.85  # coefficient of a square's shear, and about that of a circle [-] (Cowper, J. Appl. Mech. 33, 1966)
 
@@ -37,23 +38,29 @@ class Lumps(NamedTuple):
 
 
 def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
-    """The mass of a finger by densities of its rubber and plates [kg/m^3]: halves of elements are their sections'."""
-    whole, squares = area(rod.scene), mean_squares(rod.scene)
+    """The mass of a finger by densities of its rubber and plates [kg/m^3]: halves of elements are their sections'.
 
-    def bar(of: float, length: float, size: float, begin: float) -> np.ndarray:
-        """A prism of the section at a size [-], see `_prism`."""
-        return _prism(of * length * whole * size**2, length, squares * size**2, begin)
+    Raises:
+        ModelError: other materials have a centre of mass off the axis.
+    """
+    whole, (density, squares) = area(rod.scene), line_mass(rod.scene, density)
+    steel = mean_squares(rod.scene)
+
+    def bar(length: float, size: float, begin: float) -> np.ndarray:
+        """A prism of rubber with the section at a size [-], see `_prism`."""
+        return _prism(density * length * whole * size**2, length, squares * size**2, begin)
 
     plates, sections = list[np.ndarray](), list[np.ndarray]()
     first, others = list[np.ndarray](), list[np.ndarray]()  # mass matrices of elements at plates, of the others
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
         half, begins = segment.half_lengths[0], [segment.half_lengths[0], *[0.0] * (len(own) - 1)]
-        bodies = [bar(plate_density, 2 * half, own[0].ends[0], -half)]
+        area_of_plate = whole * own[0].ends[0] ** 2
+        bodies = [_prism(2 * half * plate_density * area_of_plate, 2 * half, steel * own[0].ends[0] ** 2, -half)]
         for piece, behind in zip(own, begins, strict=True):
             length = (piece.length - behind) / 2  # an element of the plate begins at its centre, the rubber at its back
             distal, proximal = piece.ends
-            bodies[-1] = bodies[-1] + bar(density, length, distal, -behind - length)
-            bodies.append(bar(density, length, proximal, 0.0))
+            bodies[-1] = bodies[-1] + bar(length, distal, -behind - length)
+            bodies.append(bar(length, proximal, 0.0))
         shear = 2.0 * (1 + segment.poisson) / SHEAR  # E over the shear modulus and its coefficient [-]
         ahead = rod.segments[len(plates) - 1].half_lengths[0] if plates else 0.0  # from the clamp to the body before
         masses = []
@@ -66,7 +73,7 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
         others += masses[1:]
         if plates:  # rubber at the segment's clamp moves with the plate before, of which it lies in front
             front = rod.segments[len(plates) - 1].half_lengths[0]
-            plates[-1] = plates[-1] + bar(density, own[-1].length / 2, own[-1].ends[1], front)
+            plates[-1] = plates[-1] + bar(own[-1].length / 2, own[-1].ends[1], front)
         plates.append(bodies[0])
         sections += bodies[1:-1]
     found = np.array(plates + sections)

@@ -20,14 +20,11 @@ from rom.dataset.sections.section import channel_width, extent
 from rom.files.checked_file import ModelError
 from rom.files.file_kinds import uses_of
 from rom.rod.scene.chambers_of_rod import chambers_of, matched, rescaled_chamber
+from rom.rod.scene.materials_of_rod import match_materials, materials_of, modulus_of, rescaled_law, rescaled_material
 from rom.rod.scene.section_of_rod import NEAR, equal, rescaled_section, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
 MOST_SEGMENTS = 8
-# Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
-MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
-DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
-PLAIN = ("nu", "alpha")  # constants without a unit
 
 
 @brief
@@ -86,11 +83,6 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
     for name, kind in (("geometry", dict), ("material", dict), ("tendons", list)):
         if not isinstance(scene.get(name), kind):
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
-    if scene.get("materials"):
-        raise ModelError(
-            "materials must be left out of a rod's scene: elements are of one material; "
-            f"the full-order model solves it (python3 -m fingerfem solve), got {len(scene['materials'])} materials"
-        )
     scene = without_square(scene)
     try:
         found: dict[str, Any] = {
@@ -101,6 +93,7 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
         }
         found |= {} if scene.get("section") is None else {"section": scene["section"]}
         found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
+        found |= {"materials": materials_of(scene)} if scene.get("materials") else {}
         weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
         return found | weight
     except ModelError:
@@ -152,7 +145,7 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
             for one in (scene, trained)
         )
         equal(f"geometry.{name} over {over}", own, other)
-    modulus = _modulus(trained["material"], scene["material"])
+    modulus = modulus_of(trained["material"], scene["material"])
     count = len(scene["geometry"]["segments"])
     if not 1 <= count <= MOST_SEGMENTS:
         raise ModelError(f"geometry.segments must be at least one and at most {MOST_SEGMENTS}, got {count}")
@@ -164,6 +157,7 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
+    match_materials(trained, scene, size, modulus)
     found = Similarity(size, modulus, tendons, matched(trained, scene, size, modulus))
     for segment in range(1, count + 1):
         _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
@@ -183,10 +177,6 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
         return None if value is None else (size * np.asarray(value, float)).tolist()
 
     lengths = {name: longer(one) for name, one in scene["geometry"].items() if name != "taper"}
-    material = {
-        name: (modulus ** MODULI[name] * np.asarray(one, float)).tolist() if name in MODULI else one
-        for name, one in scene["material"].items()
-    }
     force = modulus * size**2
     tendons = [
         one
@@ -195,38 +185,15 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
         for one in scene["tendons"]
     ]
     geometry = scene["geometry"] | lengths
-    found = dict(scene) | {"geometry": geometry, "material": material, "tendons": tendons}
+    found = dict(scene) | {"geometry": geometry, "tendons": tendons}
+    found["material"] = rescaled_law(scene["material"], modulus)
     if scene.get("section"):
         found["section"] = rescaled_section(scene["section"], size)
     if scene.get("chambers"):
         found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
+    if scene.get("materials"):
+        found["materials"] = [rescaled_material(one, modulus, size) for one in scene["materials"]]
     return found
-
-
-def _modulus(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
-    law, other = (one.get("law", "neo-hookean") for one in (material, trained))
-    if law != other:
-        raise ModelError(f"material.law must be {other}, the elements' own, got {law}")
-    constants = [name for name in trained if name in MODULI or name in PLAIN]
-    material = DEFAULTS.get(law, {}) | dict(material)
-    if missing := [name for name in constants if name not in material]:
-        given = ", ".join(name for name in ("E", "nu", "shore_A") if name in material)
-        also = f"; {given} are for the full-order model, the elements have {missing[0]} = {trained[missing[0]]}"
-        raise ModelError(f"material.{missing[0]} must be given, got none{also if given else ''}")
-    own, others = ({name: np.atleast_1d(one[name]) for name in constants} for one in (material, trained))
-    for name in constants:
-        if own[name].dtype.kind not in "if" or not np.isfinite(own[name]).all():
-            raise ModelError(f"material.{name} must be a finite number, got {material[name]!r}")
-        if own[name].shape != others[name].shape:
-            raise ModelError(f"material.{name} must have {others[name].size} numbers, got {own[name].size}")
-    first = next(name for name in constants if MODULI.get(name) == 1)
-    modulus = float(own[first][0] / others[first][0])
-    if not 0 < modulus < np.inf:
-        raise ModelError(f"material.{first} must be above 0, got {material[first]}")
-    for name in constants:
-        for value, wanted in zip(own[name], others[name] * modulus ** MODULI.get(name, 0), strict=True):
-            equal(f"material.{name} (with {first} = {own[first][0]:g})", value, wanted)
-    return modulus
 
 
 def _trained(tension: list[float], modulus: float, sizes: np.ndarray) -> tuple[float, float, float]:

@@ -171,6 +171,17 @@ def test_a_load_that_is_not_reached_raises_with_the_last_good_load(draft):
     assert np.array_equal(continuation.tensions, caught.value.tensions)
 
 
+def test_a_load_is_given_up_when_failed_steps_took_too_many_iterations(draft):
+    continuation = Continuation(draft.problem, StepOptions(wasted=20))
+    continuation.rest()
+    with pytest.raises(LoadNotReached, match=r"; failed steps took \d+ iterations") as caught:
+        continuation.advance([1000.0, 0.0], None)
+    newton = continuation.newton.options
+    taken = int(caught.value.reason.split()[-2])
+    assert 20 < taken <= 20 + 2 * newton.iterations + newton.searches
+    assert taken < continuation.iterations and caught.value.tensions[0] > 200.0
+
+
 def test_a_failed_newton_attempt_leaves_the_model_as_it_was(draft):
     draft.continuation.rest()
     before = draft.problem.displacement.copy()

@@ -14,7 +14,6 @@ from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
 from fingerfem.scene.sections import PlaneMesh
 from fingerfem.scene.toml_file import one_line
-from rom.files.checked_file import ModelError
 from rom.rod.scene.scene_of_rod import of_tables
 
 STIFF = {"law": "neo-hookean", "E": 5e7, "nu": 0.3}
@@ -54,8 +53,10 @@ CIRCLE = {"section": {"shape": "circle", "diameter": 0.012}, "geometry": {"segme
         ({"materials": [JOINT | {"x": [0.03, 0.03001]}]}, "at least a hundredth of the side"),
         ({"materials": [LAYER, JOINT]}, "materials.1.region must have no cells of another material.* of layer"),
         ({"materials": [LAYER, LAYER | {"name": "more", "centre": [-0.004, 0.0]}]}, "got some of layer"),
-        ({"materials": [JOINT], "load": {"force": 5.0}}, "load must be left out of a scene with several materials"),
-        ({"materials": [JOINT], "coarse": {"cells": [10, 5]}}, "coarse must be left out of a scene with several"),
+        (
+            {"materials": [JOINT], "load": {"force": 5.0}},
+            "materials.0.x must be left out of a scene with a load",
+        ),
         ({"materials": [JOINT], "obstacle": PLANE}, "method must be penalty with several materials"),
         ({"materials": [JOINT], "preset": "draft", "mesh": None}, r"preset must be left out with \[\[materials\]\]"),
         (
@@ -72,9 +73,12 @@ def test_a_material_that_a_scene_cannot_have_is_refused(changes, rule):
     assert re.search(rule, one_line(refusal.value)), one_line(refusal.value)
 
 
-def test_a_rod_has_one_material():
-    with pytest.raises(ModelError, match=r"materials must be left out of a rod's scene: .* got 1 materials"):
-        of_tables(TABLE | {"materials": [JOINT]})
+def test_a_scene_with_other_materials_may_have_a_load_and_a_coarse_mesh():
+    scene = Scene.model_validate(
+        TABLE | {"materials": [LAYER | {"x": [0.0, 0.05]}], "load": {"force": 5.0}, "coarse": {"cells": [9, 7]}}
+    )
+    assert scene.on_coarse_mesh().materials == scene.materials
+    assert of_tables(scene.model_dump(mode="json"))["materials"][0]["name"] == "layer"
 
 
 def test_a_scene_without_other_materials_is_as_before_and_others_count():
@@ -141,6 +145,15 @@ def test_a_group_of_a_file_is_a_material(halves):
     mesh, inlay = section_mesh(scene.outline, 2), scene.outline.inlays[0]
     assert mesh.areas[mesh.tags == inlay.tag].sum() == pytest.approx(6e-5)
     assert mesh.column_area(0) == pytest.approx(4e-6) and mesh.area == pytest.approx(1.2e-4)
+
+
+def test_a_group_has_the_measures_of_its_region(halves):
+    scene = Scene.model_validate(
+        halves("material core") | {"materials": [{"name": "core", "region": "group", "material": STIFF}]}
+    )
+    measured = scene.model_dump()["section"]["measures"]["materials"]["core"]
+    assert measured["area"] == pytest.approx(6e-5) and measured["centroid"] == pytest.approx([-0.003, 0.0])
+    assert measured["mean_squares"] == pytest.approx([0.006**2 / 3, 0.01**2 / 12])
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,163 @@
+"""The materials of a rod's scene: laws compared with those of its elements, and the mass of a section of several."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rom.brief import brief
+from rom.dataset.geometry import plates_of
+from rom.dataset.sections.section import area, extent, mean_squares
+from rom.files.checked_file import ModelError
+from rom.rod.scene.section_of_rod import NEAR, equal
+
+# Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
+MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
+DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
+PLAIN = ("nu", "alpha")  # constants without a unit
+
+
+@brief
+class LineMass(NamedTuple):
+    """The mass of a section of several materials, whose centre is on the axis.
+
+    Attributes:
+        density: mean over the section [kg/m^3].
+        squares: means of y^2 and z^2 by mass, shape (2,) [m^2].
+    """
+
+    density: float
+    squares: np.ndarray
+
+
+def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The other materials of a scene, as plain data: each all along the axis.
+
+    Raises:
+        ModelError: one along a part of the axis, or a taper.
+        KeyError, TypeError, ValueError: a key is missing, or is no number.
+    """
+    found, geometry = [dict(one) for one in scene.get("materials") or []], scene["geometry"]
+    for one in found:
+        begin, end = one.get("x") or (0.0, np.inf)
+        if begin > 0 or end < plates_of(geometry)[-1, 0] * (1 - NEAR):
+            raise ModelError(
+                f"materials.{one['name']}.x must be left out of a rod's scene: its sections are alike all along the "
+                f"axis; the full-order model solves others (python3 -m fingerfem solve), got {one['x']}"
+            )
+    if found and any(ratio != 1 for ratio in geometry.get("taper") or []):
+        raise ModelError(f"geometry.taper must be left out with several materials, got {geometry['taper']}")
+    return found
+
+
+def match_materials(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, modulus: float) -> None:
+    """Refuse other materials than those of the elements, in other regions, or of another stiffness over the rubber's.
+
+    Args:
+        trained: the elements' scene.
+        scene: of the finger.
+        size: of the finger over the elements' [-].
+        modulus: likewise of the rubber [-].
+
+    Raises:
+        ModelError: one line with both values.
+    """
+    own, others = ({one["name"]: one for one in table.get("materials") or []} for table in (scene, trained))
+    if own.keys() != others.keys():
+        names = (", ".join(table) or "none" for table in (others, own))
+        raise ModelError("materials must be those of the elements, {}, got {}".format(*names))
+    for name, one in own.items():
+        other = others[name]
+        if one["region"] != other["region"]:
+            raise ModelError(f"materials.{name}.region must be {other['region']!r}, got {one['region']!r}")
+        for key in ("centre", "size") if one["region"] == "rectangle" else ():
+            wanted = size * np.array(other[key])
+            if np.abs(np.array(one[key]) - wanted).max() > NEAR * extent(scene):
+                raise ModelError(f"materials.{name}.{key} must be {np.round(wanted, 9).tolist()} m, got {one[key]}")
+        try:
+            stiffer = modulus_of(other["material"], one["material"])
+            equal("modulus over that of the elements", stiffer, modulus)
+        except ModelError as error:
+            raise ModelError(f"materials.{name}: {error}") from None
+    if scene.get("gravity") is not None:
+        line_mass(scene, scene["gravity"]["density"])
+
+
+def line_mass(scene: Mapping[str, Any], rubber: float) -> LineMass:
+    """The mass of a section, of rubber of a density [kg/m^3] and of other materials of theirs.
+
+    A material that is heavier than the rubber by r in an area A adds r A to the mass.
+
+    Raises:
+        ModelError: its centre is off the axis, on which a rod has mass.
+    """
+    whole = area(scene)
+    mass, first, second = rubber * whole, np.zeros(2), rubber * whole * mean_squares(scene)
+    for one in scene.get("materials") or []:
+        share, centre, squares = _region(scene, one)
+        heavier = ((one.get("density") or rubber) - rubber) * share
+        mass, first, second = mass + heavier, first + heavier * centre, second + heavier * squares
+    if np.abs(first).max() > NEAR * mass * extent(scene):
+        raise ModelError(
+            "materials must have a centre of mass on the axis, about which a rod has weight and inertia, "
+            f"got y = {first[0] / mass:.3g}, z = {first[1] / mass:.3g} m"
+        )
+    return LineMass(mass / whole, second / mass)
+
+
+def _region(scene: Mapping[str, Any], one: Mapping[str, Any]) -> tuple[float, np.ndarray, np.ndarray]:
+    """Area [m^2] of a material's region, its centroid [m], and means of y^2 and z^2 over it [m^2], shapes (2,)."""
+    if one["region"] == "section":
+        return area(scene), np.zeros(2), mean_squares(scene)
+    if one["region"] == "group":
+        measured = scene["section"]["measures"]["materials"][one["name"]]
+        return measured["area"], np.array(measured["centroid"]), np.array(measured["mean_squares"])
+    centre, size = np.array(one["centre"], float), np.array(one["size"], float)
+    return float(size.prod()), centre, centre**2 + size**2 / 12
+
+
+def rescaled_material(one: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
+    """A material of a finger with its moduli and all lengths multiplied by factors [-], see `scene_of_rod.rescaled`."""
+    lengths = {key: (size * np.array(one[key])).tolist() for key in ("centre", "size", "x") if one.get(key) is not None}
+    return dict(one) | lengths | {"material": rescaled_law(one["material"], modulus)}
+
+
+def rescaled_law(material: Mapping[str, Any], modulus: float) -> dict[str, Any]:
+    """A law whose moduli are multiplied by a factor [-]."""
+    return {
+        name: (modulus ** MODULI[name] * np.asarray(one, float)).tolist() if name in MODULI else one
+        for name, one in material.items()
+    }
+
+
+def modulus_of(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
+    """By how much a material is stiffer than that of the elements [-].
+
+    Raises:
+        ModelError: another law, or other ratios of its constants: one line with both values.
+    """
+    law, other = (one.get("law", "neo-hookean") for one in (material, trained))
+    if law != other:
+        raise ModelError(f"material.law must be {other}, the elements' own, got {law}")
+    constants = [name for name in trained if name in MODULI or name in PLAIN]
+    material = DEFAULTS.get(law, {}) | dict(material)
+    if missing := [name for name in constants if name not in material]:
+        given = ", ".join(name for name in ("E", "nu", "shore_A") if name in material)
+        also = f"; {given} are for the full-order model, the elements have {missing[0]} = {trained[missing[0]]}"
+        raise ModelError(f"material.{missing[0]} must be given, got none{also if given else ''}")
+    own, others = ({name: np.atleast_1d(one[name]) for name in constants} for one in (material, trained))
+    for name in constants:
+        if own[name].dtype.kind not in "if" or not np.isfinite(own[name]).all():
+            raise ModelError(f"material.{name} must be a finite number, got {material[name]!r}")
+        if own[name].shape != others[name].shape:
+            raise ModelError(f"material.{name} must have {others[name].size} numbers, got {own[name].size}")
+    first = next(name for name in constants if MODULI.get(name) == 1)
+    modulus = float(own[first][0] / others[first][0])
+    if not 0 < modulus < np.inf:
+        raise ModelError(f"material.{first} must be above 0, got {material[first]}")
+    for name in constants:
+        for value, wanted in zip(own[name], others[name] * modulus ** MODULI.get(name, 0), strict=True):
+            equal(f"material.{name} (with {first} = {own[first][0]:g})", value, wanted)
+    return modulus
