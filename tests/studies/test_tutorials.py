@@ -87,26 +87,26 @@ def test_a_test_of_a_material_becomes_a_hanging_finger_that_holds_a_force(tmp_pa
 
 @pytest.mark.long
 def test_the_log_of_a_softer_robot_calibrates_a_long_tapered_finger(tmp_path):
-    """The robot is the full-order model of a tenth less modulus; the modulus is found, and its poses are answered."""
+    """The robot, the full-order model of half the length, has a tenth less modulus: found within its meshes' error."""
     from fingerfem import FingerModel
     from fingerfem.scene.scene import Scene
 
-    page = of_material()[1]
+    page = of_material()[1].replace("segments = [0.180, 0.180]", "segments = [0.090, 0.090]")
     (scene,) = re.findall(r'```toml title="mine/tapered.toml"\n(.*?)```', page, re.DOTALL)
     (columns,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
-    table = tomllib.loads(scene) | {"mesh": {"cells": [30, 5]}}
+    table = tomllib.loads(scene) | {"mesh": {"cells": [16, 5]}}
     table["material"] |= {"C1": 0.9 * table["material"]["C1"], "D1": table["material"]["D1"] / 0.9}
     robot, rows = FingerModel(Scene.model_validate(table)), [columns.strip()]
     geometry = robot.scene.geometry
     rest = np.array([geometry.length - geometry.half_lengths[-1, 0], 0.0, 0.0])
-    for tensions in ([0.0, 0.0], [0.4, 0.0], [0.8, 0.0], [0.0, 0.6]):
+    for tensions in ([0.0, 0.0], [0.4, 0.0], [0.0, 0.6]):
         tip = robot.solve(tensions, sensitivities=False).tip + rest
         rows.append(",".join(map(str, [*tensions, *(1000 * tip)])))
     (tmp_path / "log.csv").write_text("\n".join(rows))
-    smaller = {"cells = [16, 5]": "cells = [12, 5]", "lines = 16": "lines = 8"}
+    smaller = {"cells = [16, 5]": "cells = [7, 5]", "lines = 16": "lines = 8\nwrenches = 3"}
     assert followed(page, smaller, tmp_path).startswith("True")
     modulus = Rod.load(tmp_path / "calibrated.h5").calibration["parameters"]["modulus"]
-    assert modulus["value"] / modulus["start"] == pytest.approx(0.9, abs=0.01)
+    assert modulus["value"] / modulus["start"] == pytest.approx(0.9, abs=0.05)
 
 
 def of_material() -> list[str]:
