@@ -48,10 +48,11 @@ def along(model: TouchedSegment, points: np.ndarray, friction: float, derivative
         free = [np.inf] if touched else []
         for k in range(1, INCREMENTS):
             finger.advance([*(begun + k / INCREMENTS * (point[:t] - begun)), *free])
-        before, own = finger.arrays.keep(), point if touched else point[:t]
-        if derivatives:
+        before, was_inside, own = finger.arrays.keep(), finger.inside, point if touched else point[:t]
+        if derivatives:  # at the ends of the domain, differences reach beyond
             rates.append(np.stack([_rate(finger, before, own, k) for k in range(t)], axis=-1))
             finger.arrays.restore(before)
+            finger.inside = was_inside
         found.append(finger.advance(own))
         if found[-1].status == "no_equilibrium":
             raise ModelError(f"pose {row + 1} must have an equilibrium with friction {friction:g}, got none")

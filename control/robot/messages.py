@@ -49,12 +49,13 @@ def packed_reading(reading: Reading) -> bytes:
 
 
 def command_of(datagram: bytes, tendons: int) -> Command | None:
-    """The command of a datagram; None if it is none for so many tendons."""
+    """The command of a datagram; None if it is none for so many tendons, or a value is not finite."""
     layout = f"<QB{tendons}d"
     if len(datagram) != struct.calcsize(layout):
         return None
     number, mode, *values = struct.unpack(layout, datagram)
-    return Command(number, mode, np.array(values)) if mode in (STOP, TENSION, POSITION) else None
+    valid = mode in (STOP, TENSION, POSITION) and np.isfinite(values).all()
+    return Command(number, mode, np.array(values)) if valid else None
 
 
 def reading_of(datagram: bytes, tendons: int) -> Reading | None:

@@ -16,14 +16,14 @@ from rom.brief import brief
 from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
-ORDER = 8  # most states: two oscillations in two directions
+ORDER = 12  # most states: two oscillations, the filter's and relaxation in two directions
 RANK = 1e-9  # of singular values over the largest, below which there are no states [-]
 RESPONSES = 256  # samples of the response
 STEP = 1e-3  # of the tip, over the length of the finger [-]
 CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
 SUBSTEP = 1e-3  # longest step of the finger in time [s]
 STILL = 1e-3  # of poles whose angle a period is smaller, as of a relaxation, none is an oscillation [rad]
-LOW = 0.1  # frequency at which the inertia is measured, over the lowest natural one [-]
+LOW = 0.25  # frequency at which damping and inertia are measured, over the lowest natural one [-]
 
 
 @brief
@@ -33,7 +33,8 @@ class Linearised(NamedTuple):
     Attributes:
         a, b, c, d: shapes (n, n), (n, 2), (2, n), (2, 2).
         filter: of the second order (Butterworth): numerator and denominator, shape (2, 3) [-].
-        inertia: M_eff / K_eff: the tip rests at u = y + inertia y'' when it moves slowly, shape (2, 2) [s^2].
+        damping, inertia: C_eff / K_eff and M_eff / K_eff: u = y + damping y' + inertia y'' of a tip that moves slowly,
+            shapes (2, 2) [s, s^2].
     """
 
     a: np.ndarray
@@ -41,6 +42,7 @@ class Linearised(NamedTuple):
     c: np.ndarray
     d: np.ndarray
     filter: np.ndarray
+    damping: np.ndarray
     inertia: np.ndarray
 
 
@@ -74,13 +76,13 @@ def realised(pulses: np.ndarray, period: float) -> Linearised:
     a, b, c, d = _states(pulses)
     angles = np.abs(np.angle(np.linalg.eigvals(a)))
     lowest = float(angles[angles > STILL].min())
+    turn = LOW * lowest
     slow, still = (
-        np.linalg.inv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d).real
-        for one in (LOW * lowest, 0.0)
+        np.linalg.inv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d) for one in (turn, 0.0)
     )
-    inertia = (still - slow) * (period / (LOW * lowest)) ** 2
+    damping, inertia = slow.imag * period / turn, (still - slow).real * (period / turn) ** 2
     low_pass = np.array(butter(2, min(CUT * lowest / np.pi, HIGHEST)))
-    return Linearised(*_states(lfilter(*low_pass, pulses, axis=0)), low_pass, inertia)
+    return Linearised(*_states(lfilter(*low_pass, pulses, axis=0)), low_pass, damping, inertia)
 
 
 def _states(pulses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ class TrackingOptions:
         distance: of the object [m]; infinite without one.
         density: of the rubber [kg/m^3]; that of the scene's [gravity] if left out.
         noise: standard deviation of the tip's readings [m].
-        drift: standard deviation by which the model's error changes in a second [m].
+        drift: standard deviation of the change of the model's error in a second [m/s^0.5].
         effort: weight of the square of a correction over that of the tip's error [-].
         correction: largest correction, as a motion of the tip [m].
         pretension: of several tensions that reach a row, the nearest to this are pulled, over the limits' range [-].

@@ -14,7 +14,7 @@ SMOOTHING = 5e-3  # time constant of the derivative [s]
 
 
 class PidController:
-    """Tensions in the path's middle, and a PID of the tip's error through the tangent there.
+    """The tip's error acts on the tensions through the tangent in the path's middle.
 
     Attributes:
         tensions: to be pulled now, shape (t,) [N].
@@ -26,6 +26,8 @@ class PidController:
         gains: proportional [-], integral [1/s] and derivative [s].
         options: period and pretension of these.
         limits: of the tensions and their rate.
+        pulled: tensions by which the tip would rest at every row, shape (n, t) [N], which the PID corrects; those of
+            the first row if left out.
     """
 
     def __init__(
@@ -35,14 +37,18 @@ class PidController:
         gains: tuple[float, float, float],
         options: TrackingOptions,
         limits: Limits | None = None,
+        pulled: np.ndarray | None = None,
     ):
         self.path, self.gains, self.period, t = np.asarray(path, float), gains, options.period, len(model.rod.names)
         self._change = (limits or Limits()).rate * options.period
         self._bounds = (limits or Limits()).within(*(end[:t] for end in model.limits))
-        self._middle = resting(model, self.path.mean(axis=0), options.pretension, self._bounds)
-        rest = np.append(self._middle, np.full(len(model.objects), np.inf))
+        first, middle = (
+            resting(model, goal, options.pretension, self._bounds) for goal in (self.path[0], self.path.mean(axis=0))
+        )
+        rest = np.append(middle, np.full(len(model.objects), np.inf))
         self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t])
-        self.row, self.tensions = 1, self._middle.copy()
+        self.row, self.tensions = 1, first.copy()
+        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else pulled
         self._sum, self._rate, self._last = np.zeros(2), np.zeros(2), np.zeros(2)
 
     @property
@@ -58,7 +64,7 @@ class PidController:
         share = self.period / (self.period + SMOOTHING)
         self._rate = self._rate + share * ((error - self._last) / self.period - self._rate) * (self.row > 2)
         self._last, total = error, self._sum + integral * self.period * error
-        wanted = self._middle + self._pulls @ (proportional * error + total + derivative * self._rate)
+        wanted = self._pulled[self.row] + self._pulls @ (proportional * error + total + derivative * self._rate)
         low = np.maximum(self._bounds[0], self.tensions - self._change)
         high = np.minimum(self._bounds[1], self.tensions + self._change)
         self.tensions = np.clip(wanted, low, high)

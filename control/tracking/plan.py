@@ -9,6 +9,7 @@ import numpy as np
 from control.least_squares import Rules, minimise
 from control.motion import Limits
 from control.outcomes import listed
+from control.tracking.linearised import Linearised
 from control.tracking.options import TrackingOptions
 from rom.brief import brief
 from rom.rod.touched_segment import TouchedSegment
@@ -29,7 +30,7 @@ class Plan(NamedTuple):
         contact_forces: of the object at rest, shape (n,) [N].
         gains: changes of tension by changes of the tip without contact, shape (n, t, 2) [N/m].
         motions: the reverse, shape (n, 2, t) [m/N].
-        shares: motions of the free tip by a share of more load, and of less inertia, shape (n, 2, 2) [m].
+        shares: motions of the free tip by a share of more load, and of inertia and damping, shape (n, 2, 2) [m].
         reason: why the path is refused, in one line; empty if it is not.
     """
 
@@ -42,19 +43,23 @@ class Plan(NamedTuple):
     reason: str
 
 
-def accelerations(path: np.ndarray, period: float) -> np.ndarray:
-    """Second differences of rows, shape (n, 2) [m/s^2]; the path rests before its first row, and goes on behind."""
+def differences(path: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and accelerations at rows, shapes (n, 2) [m/s, m/s^2], of a path that begins at rest and goes on."""
     longer = np.concatenate([path[:1], path, 2 * path[-1:] - path[-2:-1]])
-    return np.asarray(longer[2:] - 2 * longer[1:-1] + longer[:-2]) / period**2
+    ahead, behind = longer[2:] - path, path - longer[:-2]
+    return (ahead + behind) / (2 * period), (ahead - behind) / period**2
 
 
 def planned(
-    model: TouchedSegment, path: np.ndarray, inertia: np.ndarray, options: TrackingOptions, limits: Limits
+    model: TouchedSegment, path: np.ndarray, system: Linearised | None, options: TrackingOptions, limits: Limits
 ) -> Plan:
-    """A plan for rows of y and z, shape (n, 2) [m]; `inertia` as in `Linearised`, shape (2, 2) [s^2]."""
+    """A plan for rows of y and z, shape (n, 2) [m]; without a linearised system the tip rests at every row."""
     t = len(model.rod.names)
     bounds = limits.within(*(end[:t] for end in model.limits))
-    ahead = accelerations(path, options.period) @ inertia.T
+    ahead = np.zeros_like(path)
+    if system is not None:
+        velocities, accelerations = differences(path, options.period)
+        ahead = velocities @ system.damping.T + accelerations @ system.inertia.T
     goals = path + ahead
     tensions, missed = np.empty((len(path), t)), np.empty(len(path))
     start = pretension = _pretension(options.pretension, bounds)
@@ -71,11 +76,10 @@ def planned(
     touching = forces > 0
     aside = np.where(touching[:, None], pressed.out[:, 1:3] + model.rod.rest[1:] - path, 0.0)
     normal = model.direction[1:]
-    tips = path + np.outer(aside @ normal, normal)
+    tips = path + np.outer(aside @ normal, normal) / max(float(normal @ normal), 1e-12)
     shares = np.stack([np.einsum("nkt,nt->nk", motions, tensions), ahead], axis=-1)
-    reason = _reason(
-        goals, tensions, missed, forces, pressed.inside, bounds, limits.rate * options.period, options.most_force
-    )
+    change = limits.rate * options.period
+    reason = _unreached(goals, missed, bounds) or _refused(tensions, forces, pressed.inside, change, options.most_force)
     return Plan(tensions, tips, forces, gains, motions, shares, reason)
 
 
@@ -100,7 +104,7 @@ def inverse(
 ) -> tuple[np.ndarray, float]:
     """Tensions, shape (t,) [N], by which the free tip rests at y and z, shape (2,) [m]; how far it misses these [m]."""
     t = len(start)
-    weight, away = CHOICE / (bounds[1] - bounds[0]), np.full(len(model.objects), np.inf)
+    weight, away = CHOICE / np.maximum(bounds[1] - bounds[0], 1e-9), np.full(len(model.objects), np.inf)
 
     def residual(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         value, jacobian = model.value_and_jacobian(np.append(tensions, away))
@@ -111,32 +115,28 @@ def inverse(
     return found.x, float(np.linalg.norm(residual(found.x)[0][:2]))
 
 
-def _reason(
-    goals: np.ndarray,
-    tensions: np.ndarray,
-    missed: np.ndarray,
-    forces: np.ndarray,
-    inside: np.ndarray,
-    bounds: tuple[np.ndarray, np.ndarray],
-    change: float,
-    most_force: float,
-) -> str:
-    """Why a plan is refused, with its worst row."""
+def _unreached(goals: np.ndarray, missed: np.ndarray, bounds: tuple[np.ndarray, np.ndarray]) -> str:
+    """Why a plan is refused whose tensions miss their goals, by the worst row."""
     k = int(np.argmax(missed))
-    if not missed[k] <= TOLERANCE:
-        within = f"tensions from {listed(bounds[0])} to {listed(bounds[1])} N"
-        return (
-            f"path row {k} must be reached with its inertia, at {listed(goals[k])} m, by {within}, the nearest miss it "
-            f"by {missed[k]:.3g} m: move or slow the path"
-        )
+    if missed[k] <= TOLERANCE:
+        return ""
+    within = f"tensions from {listed(bounds[0])} to {listed(bounds[1])} N"
+    return (
+        f"path row {k} must be reached with its inertia, at {listed(goals[k])} m, by {within}, the nearest miss it "
+        f"by {missed[k]:.3g} m: move or slow the path"
+    )
+
+
+def _refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
+    """Why tensions that reach their goals are refused, by the worst row."""
     if not inside.all():
         k = int(np.argmin(inside))
         return (
             f"path row {k} must lie in the trained domain, its tensions {listed(tensions[k])} N do not: move the path"
         )
-    changes = np.abs(np.diff(tensions, axis=0)).max(axis=1, initial=0.0)
-    k = int(np.argmax(changes)) if len(changes) else 0
-    if len(changes) and changes[k] > change:
+    changes = np.abs(np.diff(tensions, axis=0)).max(axis=1)
+    k = int(np.argmax(changes))
+    if changes[k] > change:
         return (
             f"path row {k + 1} must be reached with limits.rate, by {change:g} N a period, but needs "
             f"{changes[k]:.3g} N: slow the path"

@@ -69,7 +69,7 @@ class TrackingController:
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
         system = linearised(model, middle, own.density, own.period)
-        self.plan = planned(model, rows, system.inertia, own, self.limits)
+        self.plan = planned(model, rows, system, own, self.limits)
         self._system, self._filter = system, [tuple(row) for row in system.filter.tolist()]
         self._past = np.zeros(2), np.zeros(2)
         self._feedback = feedback(system, self.plan.shares, own.noise, own.drift * np.sqrt(own.period), own.effort)
@@ -128,7 +128,7 @@ class TrackingController:
     def _observe(self, tip: np.ndarray, felt: float, age: float) -> None:
         """Correct the estimate by a reading of an earlier row."""
         row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
-        usable = bool(row >= self._at and np.isfinite(tip).all())
+        usable = bool(self._at <= row <= self.row and np.isfinite(tip).all())
         self._blind = 0 if usable else self._blind + 1
         self.status = "moving" if self._blind < PATIENCE else "sensor_failed"
         for k in range(self._at, row if usable else self.row - PATIENCE):

@@ -60,6 +60,7 @@ typedef struct {
     const double *turning; /* of the base in its own axes: angular velocity [rad/s] and its rate, (6); NULL if it does not turn */
     double length, mean_mass, mean_force, beta, gamma;
     double contact; /* the share of contact forces that the balance at the step's end sees [-] */
+    int rubber;     /* whether the solve begins with contacts of rubber; else they come where an object lies in it */
 } contact_step;
 
 /* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is

@@ -117,7 +117,7 @@ static int converged(const contact_problem *problem, const contact_state *state,
 int contact_solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
-    int rubber = problem->map->count > problem->touching->chain->plates;
+    int rubber = problem->step ? problem->step->rubber : problem->map->count > problem->touching->chain->plates;
     double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
         /* bodies and contacts under the present wrenches, with the last forces as a start */

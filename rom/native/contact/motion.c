@@ -151,7 +151,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     fingerfem_chain chain = *touching->chain;
     const fingerfem_touching touched = {&chain, touching->count, touching->objects};
     const int t = chain.tensions;
-    contact_step step = {.inertia = inertia, .begun = moving, .length = length};
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .rubber = inside[1]};
     double held[TENSIONS_MOST], seen[TENSIONS_MOST];
     relaxation_step relaxation;
     chain_rods map;
@@ -179,6 +179,8 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
+    inside[1] = 0;
+    for (int k = 0; k < state.at.contacts.count; k++) inside[1] |= state.forces[k] > 0.0 && placed_slice_of(&state.at, k);
     /* where the step ends, and how bodies move there */
     *energy = 0.0;
     for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;

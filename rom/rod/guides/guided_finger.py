@@ -196,19 +196,22 @@ class GuidedFinger(PickledByFields):
             return guides.answer(self._touching, self.arrays, point[t:]).jacobian[: 3 + len(point) - t]
         kept = self.arrays.keep(), self.work, self.dissipated, self.inside
         columns = []
-        for k, one in enumerate(self.model.parameters):
-            step = MOVED if k >= t or wound[k] else PULLED * (one.upper - one.lower)
-            sides = []
-            for way in (step, -step):
-                self.arrays.restore(begun)
-                beside = point + way * (np.arange(len(point)) == k)
-                if not self._reach(beside, wound, HALVINGS):
-                    raise ModelError(f"jacobian needs increments to {one.name} beside {point[k]:g}, got no equilibrium")
-                found = guides.answer(self._touching, self.arrays, beside[t:])
-                sides.append(found.out[: 3 + len(point) - t])
-            columns.append((sides[0] - sides[1]) / (2 * step))
-        self.arrays.restore(kept[0])
-        _, self.work, self.dissipated, self.inside = kept
+        try:
+            for k, one in enumerate(self.model.parameters):
+                step = MOVED if k >= t or wound[k] else PULLED * (one.upper - one.lower)
+                sides = []
+                for way in (step, -step):
+                    self.arrays.restore(begun)
+                    near = point + way * (np.arange(len(point)) == k)
+                    if not self._reach(near, wound, HALVINGS):
+                        where = f"{one.name} near {point[k]:g}"
+                        raise ModelError(f"jacobian must have equilibria at {where}, got none")
+                    found = guides.answer(self._touching, self.arrays, near[t:])
+                    sides.append(found.out[: 3 + len(point) - t])
+                columns.append((sides[0] - sides[1]) / (2 * step))
+        finally:
+            self.arrays.restore(kept[0])
+            _, self.work, self.dissipated, self.inside = kept
         return np.stack(columns, axis=-1)
 
     def _reach(self, goal: np.ndarray, wound: np.ndarray, halvings: int) -> bool:

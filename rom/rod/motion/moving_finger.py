@@ -26,7 +26,7 @@ from rom.rod.weight import DENSEST
 
 HALVINGS = 8  # of a step that finds no answer
 ROUNDING = 1e-12  # of a step's length
-SHORTEST = 1e-9  # step, in which rounding makes velocities of some mm/s [s]
+SHORTEST = 1e-6  # step, in which the tolerance of positions makes a kinetic energy of a nJ or less [s]
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
@@ -88,7 +88,8 @@ class MovingFinger:
     ):
         refuse_chambers(model.rod.scene, "motion")
         weight = model.rod.scene.get("gravity") or {"direction": [0.0, -1.0, 0.0], "acceleration": 0.0}
-        density, plate_density = density or weight.get("density"), plate_density or weight.get("plate_density", 7850.0)
+        density = weight.get("density") if density is None else density
+        plate_density = weight.get("plate_density", 7850.0) if plate_density is None else plate_density
         if density is None:
             raise ModelError("density must be given [kg/m^3], as the scene has no [gravity], got none")
         for name, value in (("density", density), ("plate_density", plate_density)):
@@ -147,7 +148,7 @@ class MovingFinger:
             at_rest: whether the step has no inertia and ends at rest, as long steps of creep should.
 
         Raises:
-            ModelError: another number of parameters, parameters that are not numbers, or a length below 1 ns.
+            ModelError: another number of parameters, parameters that are not numbers, or a length below 1 µs.
         """
         goal = self._checked(parameters)
         if not SHORTEST <= length < np.inf:

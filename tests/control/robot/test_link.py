@@ -137,6 +137,7 @@ def test_messages_come_back_as_they_were():
     assert (
         command_of(packed_command(command), 3) is None
         and command_of(packed_command(command._replace(mode=9)), 2) is None
+        and command_of(packed_command(command._replace(values=np.array([1.0, np.nan]))), 2) is None
     )
     reading = reading_of(packed_reading(Reading(3, np.ones(2), np.zeros(2), np.nan)), 2)
     assert reading.number == 3 and np.isnan(reading.contact_force)

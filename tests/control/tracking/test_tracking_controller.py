@@ -123,9 +123,10 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     blind.step([0.047, *PATH[31]])
     assert blind.status == "moving" and np.isfinite(blind.tensions).all()
     before = copy.deepcopy(blind)
-    blind.step([1.0, 1.0, 1.0], age=1.0)  # too old to be of use
-    before.step(np.full(3, np.nan))
-    assert np.array_equal(blind.tensions, before.tensions)
+    for age in (1.0, -1.0, np.nan):  # too old to be of use, or of no time
+        blind.step([1.0, 1.0, 1.0], age=age)
+        before.step(np.full(3, np.nan))
+        assert np.array_equal(blind.tensions, before.tensions)
 
 
 @pytest.mark.parametrize(
