@@ -1,8 +1,7 @@
-"""A finger as bodies of a MuJoCo model: a plate at every segment's end, free to move before the one it is held by."""
+"""A finger as bodies of a MuJoCo model: sections, each free to move before the one it is held by."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,15 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.mujoco import keyframes
-from control.mujoco.rod import CLAMP_SECTIONS, END_SECTIONS, Beam, Lump, united
+from control.mujoco.sections import Block, Body, bodies_of
 from rom import Rod
 from rom.brief import brief
 
 STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's own gives way by millimetres
 FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
-# Of bodies that overlap by micrometres MuJoCo misses the contact now and then. So a plate is a box smaller by this all
-# round [m], and touches what is as near.
+# Of bodies that overlap by micrometres MuJoCo misses the contact now and then. So a block is smaller by this all round
+# [m], and touches what is as near.
 MARGIN = 3e-6
+NEIGHBOURS = 2  # bodies of a finger and its palm that are so few apart do not touch each other
+AROUND = 32  # points of a section's outline that is no rectangle
+COLORS = {True: (0.2, 0.2, 0.22, 1.0), False: (0.98, 0.68, 0.52, 1.0)}  # of plates, of rubber
+NET_FORCE = 3  # how MuJoCo's sensors of contact reduce several contacts to one
 
 # Whatever a model's defaults are for others.
 FREE = {"damping": 0.0, "stiffness": 0.0, "armature": 0.0, "frictionloss": 0.0, "limited": 0, "actfrclimited": 0}
@@ -34,34 +37,32 @@ class Attached:
     Attributes:
         name: of it; its bodies' names begin so.
         rod: what it is assembled from.
-        clamp: name of the body that its first segment stands on.
-        plates: names of its plates' bodies, from clamp to tip.
-        rubbers: names of the geoms that distances of the rubber are measured with.
-        joints: names of the joints of every plate: three slides along the axes of what holds it, and a ball.
-        relaxation: of the rubber [s]: a force on a plate that moves is as much larger as it would be so much later.
-        beams: mass and length of the rubber of every segment.
+        clamp: name of the body that its first element stands on.
+        sections: names of the bodies of its other sections, from clamp to tip.
+        plates: those of its plates among them.
+        joints: names of the joints of every section: three slides along the axes of what holds it, and a ball.
+        sensors: names of the sensors of contact force, along the world's axes [N], of the clamp and every section.
+        relaxation: of the rubber [s]: a force on a section that moves is as much larger as it would be so much later.
+        density: [kg/m^3].
     """
 
     name: str
     rod: Rod
     clamp: str
+    sections: tuple[str, ...]
     plates: tuple[str, ...]
-    rubbers: tuple[str, ...]
     joints: tuple[tuple[str, ...], ...]
+    sensors: tuple[str, ...]
     relaxation: float
-    beams: tuple[Beam, ...]
+    density: float
 
     @property
     def elements(self) -> list[tuple[mujoco.mjtObj, str]]:
         """Types and names of all that it has in the model."""
         kinds = mujoco.mjtObj
-        bodies = [(kinds.mjOBJ_BODY, one) for one in (self.clamp, *self.plates)]
+        bodies = [(kinds.mjOBJ_BODY, one) for one in (self.clamp, *self.sections)]
         joints = [(kinds.mjOBJ_JOINT, one) for names in self.joints for one in names]
-        return [
-            *bodies,
-            *joints,
-            *((kinds.mjOBJ_GEOM, one) for one in (*self.plates, *self.rubbers)),
-        ]
+        return [*bodies, *joints, *((kinds.mjOBJ_SENSOR, one) for one in self.sensors)]
 
     def renamed(self, prefix: str = "", suffix: str = "") -> Attached:
         """The same finger, whose model is part of another: `spec.attach(hand, prefix=..., suffix=...)`.
@@ -75,8 +76,9 @@ class Attached:
             return tuple(f"{prefix}{name}{suffix}" for name in names)
 
         name, clamp = new((self.name, self.clamp))
-        plates, rubbers, joints = new(self.plates), new(self.rubbers), tuple(map(new, self.joints))
-        return replace(self, name=name, clamp=clamp, plates=plates, rubbers=rubbers, joints=joints)
+        sections, plates, sensors = map(new, (self.sections, self.plates, self.sensors))
+        joints = tuple(map(new, self.joints))
+        return replace(self, name=name, clamp=clamp, sections=sections, plates=plates, joints=joints, sensors=sensors)
 
 
 def attach(
@@ -101,11 +103,10 @@ def attach(
         name: of the finger, of its own in the model.
         relaxation: of the rubber [s], its damping over its stiffness (Kelvin-Voigt); 5 ms by default.
         density: of rubber and plates [kg/m^3].
-        friction: of the plates [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
+        friction: of the finger [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
 
     Raises:
-        ValueError: no such body, a name that is in use, a keyframe of another size, numbers that cannot be, or a
-            tapered finger, whose mass is not modelled.
+        ValueError: no such body, a name that is in use, a keyframe of another size, or numbers that cannot be.
 
     Example:
         >>> spec = mujoco.MjSpec.from_file("hand.xml")
@@ -115,8 +116,6 @@ def attach(
     parent = spec.body(palm)
     if parent is None:
         raise ValueError(f"palm must be a body of the model, got {palm!r}")
-    if taper := rod.scene["geometry"].get("taper"):
-        raise ValueError(f"rod must be a finger without taper, as its mass in MuJoCo is that of one, got {taper}")
     place, turned = np.asarray(position, float), np.asarray(quaternion, float)
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ValueError(f"position must be three lengths [m], got {place.tolist()}")
@@ -129,32 +128,44 @@ def attach(
     ):
         if not (least and np.isfinite(value)):
             raise ValueError(f"{what} must be a number that is not negative, the density above 0, got {value}")
-    finger = _named(name, rod, relaxation, density)
+    bodies = bodies_of(rod)
+    finger = _named(name, rod, bodies, relaxation, density)
     _require_free(spec, finger)
     keyframes.check(spec)
-    body = parent.add_body(name=finger.clamp, pos=place, quat=turned / np.linalg.norm(turned))
-    _weigh(body, [finger.beams[0].clamp(0.0)], finger.beams[0].mass * CLAMP_SECTIONS * _sections(finger))
-    for k in range(len(finger.plates)):
-        body = _add_plate(body, finger, k, density)
-        _add_geoms(body, finger, k, friction, spec.option.timestep)
-    keyframes.insert(spec, finger.clamp, len(finger.plates))
+    names, body = (finger.clamp, *finger.sections), parent
+    for k, one in enumerate(bodies):
+        pose = {"pos": place, "quat": turned / np.linalg.norm(turned)} if k == 0 else {"pos": [one.offset, 0.0, 0.0]}
+        body = body.add_body(name=names[k], **pose)
+        if k:
+            _free(body, finger.joints[k - 1])
+        body.explicitinertial = True
+        body.mass, body.ipos, body.inertia = one.inertia(rod, density)
+        for j, block in enumerate(one.blocks):
+            _add_geom(spec, body, f"{names[k]} part {j}", rod, block, friction)
+        _add_sensor(spec, finger.sensors[k], names[k])
+        near = [palm] * (palm != "world") + list(names[:k])
+        for other in near[-NEIGHBOURS:]:
+            spec.add_exclude(bodyname1=other, bodyname2=names[k])
+    keyframes.insert(spec, finger.clamp, len(finger.sections))
     return finger
 
 
-def _named(name: str, rod: Rod, relaxation: float, density: float) -> Attached:
-    """A finger with the names and masses of its parts."""
-    half = rod.half_lengths
-    lengths = [length - 2 * half[0] for length in rod.scene["geometry"]["segments"]]
-    plates = tuple(f"{name} plate {k}" for k in range(len(lengths)))
+def _named(name: str, rod: Rod, bodies: list[Body], relaxation: float, density: float) -> Attached:
+    """A finger with the names of its parts."""
+    sections = list[str]()
+    for body in bodies[1:]:
+        kind = "plate" if body.is_plate else "section"
+        sections.append(f"{name} {kind} {sum(one.startswith(f'{name} {kind}') for one in sections)}")
     return Attached(
         name=name,
         rod=rod,
         clamp=f"{name} clamp",
-        plates=plates,
-        rubbers=tuple(f"{plate} rubber" for plate in plates),
-        joints=tuple(tuple(f"{plate} {kind}" for kind in ("x", "y", "z", "turn")) for plate in plates),
+        sections=tuple(sections),
+        plates=tuple(one for one, body in zip(sections, bodies[1:], strict=True) if body.is_plate),
+        joints=tuple(tuple(f"{one} {kind}" for kind in ("x", "y", "z", "turn")) for one in sections),
+        sensors=tuple(f"{one} force" for one in (f"{name} clamp", *sections)),
         relaxation=relaxation,
-        beams=tuple(Beam(4 * density * half[1] * half[2] * length, length) for length in lengths),
+        density=density,
     )
 
 
@@ -167,55 +178,47 @@ def _require_free(spec: mujoco.MjSpec, finger: Attached) -> None:
             )
 
 
-def _sections(finger: Attached) -> np.ndarray:
-    """Moments of the rubber's sections about x, y, z over its mass, shape (3,) [m^2]."""
-    _, y, z = finger.rod.half_lengths**2 / 3
-    return np.array([y + z, z, y])
-
-
-def _add_plate(parent: mujoco.MjsBody, finger: Attached, k: int, density: float) -> mujoco.MjsBody:
-    """Add plate k of a finger, which moves before its parent."""
-    half, beam = finger.rod.half_lengths, finger.beams[k]
-    before = half[0] if k else 0.0  # a plate's centre lies half a plate before the clamp of the next
-    body = parent.add_body(name=finger.plates[k], pos=[before + beam.length + half[0], 0.0, 0.0])
-    mass = 8 * density * float(np.prod(half))
-    lumps, moments = [Lump(mass, 0.0, 0.0), beam.end(-half[0])], mass * (half @ half - half**2) / 3
-    moments += beam.mass * END_SECTIONS * _sections(finger)
-    for after in finger.beams[k + 1 : k + 2]:
-        lumps.append(after.clamp(half[0]))
-        moments += after.mass * CLAMP_SECTIONS * _sections(finger)
-    _weigh(body, lumps, moments)
-    *slides, turn = finger.joints[k]
+def _free(body: mujoco.MjsBody, joints: tuple[str, ...]) -> None:
+    """Let a section move before its parent."""
+    *slides, turn = joints
     for joint, axis in zip(slides, np.eye(3), strict=True):
         body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **FREE)
     body.add_joint(name=turn, type=mujoco.mjtJoint.mjJNT_BALL, **FREE)
-    return body
 
 
-def _add_geoms(body: mujoco.MjsBody, finger: Attached, k: int, friction: float, step: float) -> None:
-    """Add what of a plate touches, and the geom that distances are measured from."""
-    half = finger.rod.half_lengths
+def _add_sensor(spec: mujoco.MjSpec, name: str, body: str) -> None:
+    """Add a sensor of the sum of all contact forces on a body."""
+    spec.add_sensor(
+        name=name,
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_BODY,
+        objname=body,
+        intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), NET_FORCE, 1],
+    )
+
+
+def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, mesh: str, rod: Rod, block: Block, friction: float) -> None:
+    """Add a block of a body with its own outline: a box, or a mesh, the hull of points around it."""
+    section, length = rod.own.section.scaled(block.size), block.end - block.begin
+    half = np.array([length / 2, *section.box]) - MARGIN
+    if section.is_rectangle:
+        form: dict[str, Any] = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": half}
+    else:
+        around = section.points(AROUND) * half[1:] / section.box
+        ends = [np.column_stack([np.full(AROUND, x), around]) for x in (-half[0], half[0])]
+        spec.add_mesh(name=mesh, uservert=np.concatenate(ends).ravel())
+        form = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": mesh}
     body.add_geom(
-        name=body.name,
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=half - MARGIN,
+        pos=[block.begin + length / 2, 0.0, 0.0],
         margin=MARGIN,
         mass=0.0,
         friction=[friction, 0.0, 0.0],
         **TOUCHES,
-        solref=[FAST * step, 1.0],
+        solref=[FAST * spec.option.timestep, 1.0],
         solimp=STIFF,
-        solmix=1e6,  # how stiff a contact is, its plate says
-        rgba=[0.2, 0.2, 0.22, 1.0],
-    )
-    # What distances are measured from, see control.mujoco.rubber: it touches nothing and is not seen.
-    body.add_geom(
-        name=finger.rubbers[k],
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=half,
-        mass=0.0,
-        group=5,
-        **dict.fromkeys(TOUCHES, 0) | {"condim": 3},
+        solmix=1e6,  # how stiff a contact is, its finger says
+        rgba=COLORS[block.is_plate],
+        **form,
     )
 
 
@@ -254,10 +257,3 @@ def attach_gripper(
         place = (radius + side / 2) * out
         found.append(attach(spec, rod, palm, place, quaternion, name=f"{name} {k}", **options))
     return found
-
-
-def _weigh(body: mujoco.MjsBody, lumps: Sequence[Lump], moments: np.ndarray) -> None:
-    """Set a body's inertia: lumps on its x axis, and further moments about x, y, z, shape (3,) [kg m^2]."""
-    one = united(lumps)
-    body.explicitinertial, body.mass = True, one.mass
-    body.ipos, body.inertia = [one.x, 0.0, 0.0], moments + one.moment * np.array([0.0, 1.0, 1.0])

@@ -129,7 +129,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         lost, forces = False, self._past[-1]
         try:
             simulation.advance(self._taken * self._period)
-            forces, self._palm = simulation.contact_forces(), float(simulation.data.qpos[2])
+            forces, self._palm = simulation.contact_forces(), float(simulation.data.joint("z").qpos[0])
         except SimulationStopped:  # what was felt last stays
             lost = True
         self._past = [*self._past[1 - SOON :], forces]
@@ -140,7 +140,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
             "contact_forces": self._past[-1],
             "lifted": height - self._rest,
             "crushed": crushed,
-            "beyond": bool((simulation.left | simulation.lost | simulation.rubbed).any()),
+            "beyond": bool((simulation.left | simulation.lost).any()),
         }
         return self._observation(), reward - crushed, crushed or lost, self._taken >= self._steps, info
 

@@ -40,12 +40,12 @@ def check(spec: mujoco.MjSpec) -> None:
                 raise ValueError(f"{name} of keyframe {key.name!r} must have {count} numbers, got {len(own)}")
 
 
-def insert(spec: mujoco.MjSpec, clamp: str, plates: int) -> None:
+def insert(spec: mujoco.MjSpec, clamp: str, sections: int) -> None:
     """Insert the coordinates of a finger at rest into keyframes that were complete without it."""
     at = sizes(spec, before=clamp)
-    rest = np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], plates)
+    rest = np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], sections)
     for key in spec.keys:
         if len(key.qpos):
             key.qpos = np.insert(np.array(key.qpos), at.coordinates, rest)
         if len(key.qvel):
-            key.qvel = np.insert(np.array(key.qvel), at.velocities, np.zeros(6 * plates))
+            key.qvel = np.insert(np.array(key.qvel), at.velocities, np.zeros(6 * sections))

@@ -1,68 +1,154 @@
-"""How near the rubber of a finger comes to what stands in a MuJoCo model: the plates alone collide there.
-
-The model has points along the rubber's four long edges. Between neighbouring sections the rubber is taken as a box,
-which MuJoCo measures distances from; only where something is near.
-"""
+"""The elements of a finger in a compiled model: springs of six directions between neighbouring sections."""
 
 from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from rom.rod.compiled import rubber_boxes
+from control.mujoco.attach import Attached
+from control.mujoco.sections import bodies_of
+from control.native import CONTROL
+from rom.native import LIBRARY, pointer
+from rom.rod.compiled import memory_of, struct
 from rom.rod.segment import Segment
 
-NEAR = 0.003  # [m]: gaps that are looked for
-BOXES = 24  # from clamp to plate
+COORDINATES = CONTROL.constants.CONTROL_COORDINATES
+MOST_TENSIONS = LIBRARY.constants.FINGERFEM_MOST_TENSIONS
+BODY = mujoco.mjtObj.mjOBJ_BODY
+KEEP = "compile it without settotalmass and boundmass"  # options of MuJoCo's compiler
 
 
 class Rubber:
-    """The rubber of one segment in a compiled model.
+    """A finger's rubber and tendons in a compiled model, by the inverse of every element's law (native/sections.h).
+
+    Attributes:
+        bodies: of its clamp and sections, shape (n + 1,).
+        wrenches: that hold the sections where they are, in their frames, shape (n, 6) [N, N m].
+        inside: whether elements are within their trained domain, and have the pose, shape (n, 2).
 
     Args:
         model: compiled.
-        segment: its map.
-        plate: name of its plate's body.
-        rubber: name of the geom that distances are measured with.
-        own: which geoms belong to the finger, shape (geoms,).
-        first: whether it begins in the clamp, not on another plate.
+        data: its state, which keeps its arrays.
+        attached: the finger.
+
+    Raises:
+        ValueError: a part of it is missing in the model, or MuJoCo stores the inertia in another form.
     """
 
-    def __init__(self, model: mujoco.MjModel, segment: Segment, plate: str, rubber: str, own: np.ndarray, first: bool):
-        self._segment, self._body = segment, model.body(plate).id
-        self._before, half = model.body_parentid[self._body], segment.half_lengths
-        y, z = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 1.0])
-        self._begins = np.column_stack([np.full(4, 0.0 if first else half[0]), half[1] * y, half[2] * z])
-        self._probe = model.geom(rubber).id
-        collides = (model.geom_contype > 0) | (model.geom_conaffinity > 0)
-        others = collides & ~own & (np.arange(model.ngeom) != self._probe)
-        flat = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
-        self._planes, self._others = np.flatnonzero(others & flat), np.flatnonzero(others & ~flat)
-        self._bounds = model.geom_rbound[self._others]
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, attached: Attached):
+        check(model, attached)
+        self._given, rod, n = (model, data, attached), attached.rod, len(attached.sections)
+        self.bodies = np.array([model.body(one).id for one in (attached.clamp, *attached.sections)])
+        joints = [model.joint(one[0]).id for one in attached.joints]
+        self._positions, velocities = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        self.wrenches, self.inside = np.zeros((n, 6)), np.ones((n, 2), np.int32)
+        self._held, self._trained = np.zeros((n, COORDINATES)), np.zeros((n, 3))
+        self._state = {"held": self._held, "wrenches": self.wrenches, "trained": self._trained}
+        self._state |= {"forces": np.zeros((n, 6)), "stiffness": np.zeros((n, 6, 6))}
+        pulled, elements = np.zeros((n, MOST_TENSIONS), np.int32), list[Any]()
+        for segment in rod.segments:
+            own = [rod.names.index(name) for name in segment.names]
+            for one in _elements(segment):
+                pulled[len(elements), : len(own)] = own
+                elements.append(one)
+        integers = {"pulled": pulled, "positions": self._positions, "velocities": velocities}
+        integers["inertia"] = np.array([_places(model, int(one)) for one in velocities])
+        arrays = {name: getattr(data, name) for name in ("qpos", "qvel", "qfrc_applied", "M")} | self._state
+        arrays["offsets"] = np.array([[one.length, 0.0, 0.0] for one in bodies_of(rod)[1:]])
+        memory = max((memory_of(one) for one in elements), key=len)
+        integers = {name: np.ascontiguousarray(one, np.int32) for name, one in integers.items()}
+        pointers = CONTROL.ffi.new("fingerfem_segment *[]", elements)
+        self._kept = arrays, integers, elements, memory, pointers
+        self._struct = CONTROL.ffi.new(
+            "control_sections *",
+            {
+                **{"n": n, "relaxation": attached.relaxation, "memory": memory, "elements": pointers},
+                **{name: pointer(array) for name, array in arrays.items()},
+                **{name: pointer(array, "int32_t[]") for name, array in integers.items()},
+            },
+        )
 
-    def boxes(
-        self, data: mujoco.MjData, inputs: np.ndarray, count: int
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """The rubber from where it begins to the plate, see `rom.rod.compiled.rubber_boxes`."""
-        begins = data.xpos[self._before] + self._begins @ data.xmat[self._before].reshape(3, 3).T
-        rotation = data.xmat[self._body].reshape(3, 3)
-        return rubber_boxes(self._segment.struct, inputs, begins, data.xpos[self._body], rotation, count)
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled and copied by its parameters and state, without addresses."""
+        return type(self), self._given, {name: one.copy() for name, one in self._state.items()}
 
-    def gap(self, model: mujoco.MjModel, data: mujoco.MjData, inputs: np.ndarray) -> float:
-        """Least distance from anything, at tensions and wrench, shape (t + 6,) [m]; infinite if nothing is near."""
-        boxes = self.boxes(data, inputs, BOXES)
-        if boxes is None:
-            return np.inf
-        centres, halves, axes = boxes
-        least = np.inf
-        for plane in self._planes:
-            normal = data.geom_xmat[plane, 2::3]
-            behind = (np.abs(normal @ axes) * halves).sum(axis=1)
-            least = min(least, float(((centres - data.geom_xpos[plane]) @ normal - behind).min()))
-        reach = np.linalg.norm(halves, axis=1)[:, None] + self._bounds + NEAR
-        away = centres[:, None] - data.geom_xpos[self._others]
-        for k, j in np.argwhere(np.einsum("kji,kji->kj", away, away) < reach * reach):
-            model.geom_size[self._probe], data.geom_xpos[self._probe] = halves[k], centres[k]
-            data.geom_xmat[self._probe] = axes[k].ravel()
-            least = min(least, mujoco.mj_geomDistance(model, data, self._probe, int(self._others[j]), NEAR, None))
-        return float(least) if least < NEAR else np.inf
+    def __setstate__(self, state: dict[str, np.ndarray]) -> None:
+        for name, one in state.items():
+            self._state[name][:] = one
+
+    def reset(self) -> None:
+        """Begin without wrenches, at the current positions."""
+        for one in self._state.values():
+            one[:] = 0.0
+        qpos = self._given[1].qpos
+        self._held[:] = qpos[self._positions[:, None] + np.arange(COORDINATES)]
+        self._trained[:] = self._held[:, :3]
+
+    def pull(self, tensions: np.ndarray, step: float) -> None:
+        """Set forces and add to the inertia of a step [s], between MuJoCo's mj_step1 and the factorisation."""
+        given = pointer(np.ascontiguousarray(tensions)), step, pointer(self.inside, "int32_t[]")
+        CONTROL.functions.control_pull(self._struct, *given)
+
+    @property
+    def away(self) -> float:
+        """Largest distance of a section from where it was last within its trained domain [m]."""
+        slides = self._given[1].qpos[self._positions[:, None] + np.arange(3)]
+        return float(np.linalg.norm(slides - self._trained, axis=1).max())
+
+
+def weigh(model: mujoco.MjModel, data: mujoco.MjData, fingers: list[Rubber], loads: int) -> None:
+    """Set the inverse inertia of sections that MuJoCo scales its contacts with: at rest, with the rubber of a step.
+
+    MuJoCo's own has the masses alone. Contacts of a section that is light before stiff rubber would give way.
+    """
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_forward(model, data)
+    for one in fingers:
+        one.reset()
+        one.pull(np.zeros(loads), model.opt.timestep)
+    mujoco.mj_factorM(model, data)
+    jacobian, inverse = np.zeros((6, model.nv)), np.zeros((6, model.nv))
+    for body in np.concatenate([one.bodies[1:] for one in fingers]):
+        mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], body)
+        mujoco.mj_solveM(model, data, inverse, jacobian)
+        moves = np.einsum("ij,ij->i", jacobian, inverse)
+        model.body_invweight0[body] = moves[:3].mean(), moves[3:].mean()
+
+
+def check(model: mujoco.MjModel, finger: Attached) -> None:
+    """Check that a compiled model has a finger as it was attached.
+
+    Raises:
+        ValueError: parts are missing or renamed, or have another mass.
+    """
+    for kind, name in finger.elements:
+        if mujoco.mj_name2id(model, kind, name) < 0:
+            others = [mujoco.mj_id2name(model, kind, k) or "" for k in range(model.nbody if kind == BODY else 0)]
+            (prefix, suffix), *_ = [*(one.split(name) for one in others if one.count(name) == 1), ("", "")]
+            advice = f"use Attached.renamed(prefix={prefix!r}, suffix={suffix!r})" if prefix or suffix else KEEP
+            raise ValueError(f"model must have {name!r} of {finger.name!r}, got none: {advice}")
+    mass, (expected, *_) = (
+        model.body(finger.clamp).mass[0],
+        bodies_of(finger.rod)[0].inertia(finger.rod, finger.density),
+    )
+    if not np.isclose(mass, expected):
+        raise ValueError(f"mass of {finger.clamp!r} must be {expected:g} kg, got {mass:g} kg: {KEEP}")
+
+
+def _elements(segment: Segment) -> list[Any]:
+    """Structs fingerfem_segment of the elements of a segment from clamp to tip, each alone."""
+    whole = replace(segment.condensed, outlines=None, depths=None, bulges=None, shortenings=None)
+    return [struct(replace(whole, elements=[law])) for law in reversed(whole.elements)]
+
+
+def _places(model: mujoco.MjModel, first: int) -> np.ndarray:
+    """Places of the lower triangle of a section's block of MuJoCo's inertia, row by row, shape (21,)."""
+    rows = first + np.arange(6)
+    last = model.M_rowadr[rows] + model.M_rownnz[rows] - 1  # the diagonal's place ends a row
+    found = np.array([last[i] - (i - j) for i in range(6) for j in range(i + 1)])
+    if not np.array_equal(model.M_colind[found], [first + j for i in range(6) for j in range(i + 1)]):
+        raise ValueError("MuJoCo must keep the inertia of a section as one block")
+    return found

@@ -1,9 +1,9 @@
-"""Steps of a MuJoCo model with fingers: what their rubber pulls at the plates, implicitly, and what they feel.
+"""Steps of a MuJoCo model with fingers: what their rubber pulls at the sections, implicitly, and what they feel.
 
-With a map's inverse the rubber is a spring of six directions between a plate and what holds it: force f(q), stiffness
-K, damping D = relaxation K. A step of MuJoCo's with the inertia M + h D + h^2 K and the force f - (D + h K) v is the
-linearly implicit Euler step (Deuflhard, Hairer, Zugck, Numer. Math. 51, 1987). Contacts and friction are solved with
-that inertia, too, so that a plate is as stiff before them as it is.
+With the inverse of its law an element is a spring of six directions between neighbouring sections: force f(q),
+stiffness K, damping D = relaxation K, in the coordinates of the joints between them. A step of MuJoCo's with the
+inertia M + h D + h^2 K and the force f - (D + h K) v is the linearly implicit Euler step (Deuflhard, Hairer, Zugck,
+Numer. Math. 51, 1987). Contacts and friction are solved with that inertia, too, so that a finger is as stiff as it is.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from control.motion import for_each
 from control.mujoco.attach import FAST, Attached
 from control.mujoco.coulomb import correct
-from control.mujoco.spring import LOWER, Spring, springs_of
+from control.mujoco.rubber import Rubber, weigh
 
-LOOKING = 0.005  # [s], from look to look at the rubber, at least
 STICKING = 100.0  # times stiffer than contacts are that which sticks is, at least [-]
 
 
@@ -30,7 +29,7 @@ class SimulationStopped(FloatingPointError):
     Attributes:
         time: of the simulation [s].
         finger: name of the finger that left its domain; None if the motion of the model has no bounds.
-        distance: from its plate to where that was last within the trained domain [m]; nan without a finger.
+        distance: from a section to where that was last within its trained domain [m]; nan without a finger.
     """
 
     def __init__(self, reason: str, time: float, finger: str | None = None, distance: float = np.nan):
@@ -52,8 +51,6 @@ class Simulation:
         left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
         lost: likewise, whether it was where its model has no pose. Its force is then linear about its last pose, and
             contact with it is not valid.
-        rubbed: likewise, whether its rubber may have touched something, by a check every 5 ms of `advance`: here only
-            its plates make contact.
         unsettled: steps since `reset` in which Coulomb's law was not found, see control.mujoco.coulomb.
 
     Args:
@@ -61,7 +58,7 @@ class Simulation:
             least 100 and without islands, and nothing resets it by itself.
         fingers: as `attach` returned them, all with the same number of tensions.
         rate: most that a motor changes its tension [N/s]; of fingers with chambers one for each load [N/s, Pa/s].
-        coulomb: whether plates slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
+        coulomb: whether fingers slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
 
     Raises:
         ValueError: no fingers, of different kinds, or one twice; a part of a finger that the model does not have; a
@@ -88,15 +85,12 @@ class Simulation:
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
-        self.springs = [spring for k, one in enumerate(fingers) for spring in springs_of(model, self.data, k, one)]
+        self.rubber = [Rubber(model, self.data, one) for one in fingers]
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
-        for spring in self.springs:
-            first = model.body_geomadr[spring.body]
-            self._finger_of[first : first + model.body_geomnum[spring.body]] = spring.finger
-        plates = self._finger_of[:-1] >= 0
-        model.geom_solref[plates, 0] = FAST * model.opt.timestep
-        for spring in self.springs:
-            spring.weigh(model, self.data)
+        for k, one in enumerate(self.rubber):
+            self._finger_of[:-1][np.isin(model.geom_bodyid, one.bodies)] = k
+        model.geom_solref[self._finger_of[:-1] >= 0, 0] = FAST * model.opt.timestep
+        weigh(model, self.data, self.rubber, self.tensions.shape[1])
         self.reset()
 
     @property
@@ -118,10 +112,9 @@ class Simulation:
         self.wanted[:], self.tensions[:] = 0.0, 0.0
         self.left = np.zeros(len(self.fingers), bool)
         self.lost = np.zeros(len(self.fingers), bool)
-        self.rubbed = np.zeros(len(self.fingers), bool)
-        self._looked, self.unsettled = -np.inf, 0
-        for spring in self.springs:
-            spring.reset(self.data)
+        self.unsettled = 0
+        for one in self.rubber:
+            one.reset()
         mujoco.mj_forward(self.model, self.data)
 
     def step(self) -> None:
@@ -133,12 +126,13 @@ class Simulation:
         model, data, h = self.model, self.data, self.model.opt.timestep
         self.tensions += np.clip(self.wanted - self.tensions, -self.rate * h, self.rate * h)
         mujoco.mj_step1(model, data)
-        for spring in self.springs:
-            spring.coupling.add()
-            force, stiffness = self._pull(spring)
-            first, later = spring.velocity, (spring.relaxation + h) * stiffness
-            data.qfrc_applied[first : first + 6] = -force - later @ data.qvel[first : first + 6]
-            data.M[spring.inertia] += h * later[LOWER]
+        for k, rubber in enumerate(self.rubber):
+            rubber.pull(self.tensions[k], h)
+            inside, converged = bool(rubber.inside[:, 0].all()), bool(rubber.inside[:, 1].all())
+            self.left[k] |= not inside
+            self.lost[k] |= not converged
+            if not (inside and converged):
+                self._check(self.fingers[k], rubber.away)
         mujoco.mj_factorM(model, data)
         if self._coulomb:
             self.unsettled += not correct(
@@ -148,18 +142,8 @@ class Simulation:
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
             raise SimulationStopped(f"motion has no bounds after {data.time:g} s: use a shorter step", data.time)
 
-    def _pull(self, spring: Spring) -> tuple[np.ndarray, np.ndarray]:
-        """Force and stiffness of a spring; notes where its finger leaves what was trained."""
-        force, stiffness = spring.pull(self.data, self.tensions[spring.finger, spring.pulled])
-        inside, converged = spring.inverse.inside, spring.inverse.converged
-        self.left[spring.finger] |= not inside
-        self.lost[spring.finger] |= not converged
-        if not (inside and converged):
-            self._check(self.fingers[spring.finger], spring.away(self.data))
-        return force, stiffness
-
     def _check(self, finger: Attached, away: float) -> None:
-        """Stop where a plate is a finger's length from its last position within the trained domain."""
+        """Stop where a section is a finger's length from its last position within the trained domain."""
         length = sum(finger.rod.scene["geometry"]["segments"])
         if away > length:
             raise SimulationStopped(
@@ -177,26 +161,12 @@ class Simulation:
         half = 0.5 * self.model.opt.timestep
         while self.data.time < time - half:
             self.step()
-            if self.data.time > self._looked + LOOKING - half:
-                self._looked = self.data.time
-                self.rubbed |= self.rubber_gaps() < [one.rod.errors.surface for one in self.fingers]
-
-    def rubber_gaps(self) -> np.ndarray:
-        """Least distance of every finger's rubber from what is no finger's rubber, shape (fingers,) [m].
-
-        Infinite beyond 3 mm. The finger's own plates are left out.
-        """
-        found = np.full(len(self.fingers), np.inf)
-        for spring in self.springs:
-            inputs = np.concatenate([self.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
-            gap = spring.rubber.gap(self.model, self.data, inputs)
-            found[spring.finger] = min(found[spring.finger], gap)
-        return found
 
     def contact_forces(self) -> np.ndarray:
-        """What presses on every finger's plates, normal to where it touches, shape (fingers,) [N].
+        """What presses on every finger, normal to where it touches, shape (fingers,) [N].
 
-        Where two fingers touch, both feel it; where two plates of one do, it counts once.
+        Where two fingers touch, both feel it; where two sections of one do, it counts once. `Attached.sensors` are
+        MuJoCo's sensors of every section.
         """
         found, force = np.zeros(len(self.fingers)), np.zeros(6)
         for k, pair in enumerate(self.data.contact.geom):
@@ -209,11 +179,8 @@ class Simulation:
         return found
 
     def wrenches(self) -> list[np.ndarray]:
-        """That hold every finger's plates where they are, shape (plates, 6) each, in their frames [N, N m]."""
-        return [
-            np.array([spring.inverse.wrench for spring in self.springs if spring.finger == k])
-            for k in range(len(self.fingers))
-        ]
+        """That hold every finger's sections where they are, shape (sections, 6) each, in their frames [N, N m]."""
+        return [one.wrenches.copy() for one in self.rubber]
 
     def pull(self, finger: int, tensions: ArrayLike) -> None:
         """Set a finger's target tensions [N] and pressures [Pa], shape (loads,); at once, but no faster than `rate`.

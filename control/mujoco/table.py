@@ -32,13 +32,13 @@ SCENE = """
   <worldbody>
     <light type="directional" pos="0.08 -0.1 0.8" dir="-0.08 0.1 -0.8" diffuse="0.4 0.4 0.4" specular="0.2 0.2 0.2"/>
     <geom name="table" type="plane" size="0 0 0.1" friction="1" material="table"/>
-    <body name="palm" pos="0 0 {palm}" gravcomp="1">
-      {joints}
-      <geom type="cylinder" size="0.035 0.004" pos="0 0 0.005" mass="0.5" rgba="0.35 0.37 0.42 1"/>
-    </body>
     <body name="object" pos="{x} {y} {z}" quat="{quat}">
       <freejoint/>
       <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" rgba="0.2 0.5 0.8 1"/>
+    </body>
+    <body name="palm" pos="0 0 {palm}" gravcomp="1">
+      {joints}
+      <geom type="cylinder" size="0.035 0.004" pos="0 0 0.005" mass="0.5" rgba="0.35 0.37 0.42 1"/>
     </body>
   </worldbody>
   <actuator>{actuators}</actuator>

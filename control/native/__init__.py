@@ -1,4 +1,4 @@
-"""The controllers' compiled part: bounded least squares, questions to a finger, rods in MuJoCo (see the headers)."""
+"""The controllers' compiled part: least squares, questions to a finger, sections in MuJoCo (see the headers)."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ _HERE = Path(__file__).parent
 CONTROL = Library(
     "control",
     _HERE,
-    headers=["least_squares.h", "control.h", "feel.h", "rod_inertia.h"],
+    headers=["least_squares.h", "control.h", "feel.h", "sections.h"],
     units=sorted(_HERE.glob("*.c")),
     stands_on=LIBRARY,
 )

@@ -309,12 +309,6 @@ void fingerfem_touch_errors(const fingerfem_touching *touching, const double *po
  * and where nothing is known of it. */
 double fingerfem_rubber_gap(const fingerfem_touching *touching, const double *point, const double *loads, double *memory);
 
-/* The rubber of a segment as boxes, one after another: the centre, (3) [m], half lengths, (3) [m], and axes, (3, 3), of each
- * of `count`, by inputs, (tensions + 6), the corners of the section where it begins, (4, 3) [m], with -y -z, -y z, y -z and
- * y z, and the place of its plate. Returns 0 where nothing is known of it. */
-int fingerfem_rubber_boxes(const fingerfem_segment *segment, const double *inputs, const double *begins, const double *centre,
-                           const double *rotation, int count, double *memory, double *centres, double *halves, double *axes);
-
 /* The surface of a chain under tensions and loads, as sections with four corners each, -y -z, -y z, y -z and
  * y z: of every segment its `places`, the first where its rubber begins, the last its plate's back, and its plate's front,
  * (sections, 4, 3) [m]. Returns 0 where nothing is known of a segment's rubber. */

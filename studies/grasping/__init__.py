@@ -1,1 +1,1 @@
-"""Three fingers in MuJoCo pick up, lift, turn and put down what stands on a table."""
+"""Fingers in MuJoCo pick up, lift, turn and put down what stands on a table."""

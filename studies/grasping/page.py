@@ -9,7 +9,6 @@ import numpy as np
 
 FATES = ("held", "let go", "dropped", "crushed", "refused")
 REASONS = {  # parts of the reasons for which a solid was not lifted, for people
-    "rubber": "rubber may have touched, where MuJoCo has no contact",
     "finds": "a finger found its face more than 8 mm from where it should be",
     "no_contact": "a finger measured no contact up to its highest tension",
     "lost_contact": "a finger lost contact",
@@ -32,6 +31,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "fates": FATES,
         "shapes": shapes | {"all": Counter(row["fate"] for row in rows)},
         "total": len(rows),
+        "fingers": Counter(row["fingers"] for row in rows if row["fate"] != "refused"),
         "accepted": len(rows) - len(fates["refused"]),
         "impossible": sum("are crushed above" in row["reason"] and row["impossible"] for row in fates["refused"]),
         "leaning": sum("lean" in row["reason"] for row in fates["refused"]),

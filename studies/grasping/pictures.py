@@ -1,7 +1,4 @@
-"""A moving picture of one grasp, and a still one of the five shapes in the air, by MuJoCo's renderer (MUJOCO_GL=egl).
-
-MuJoCo has only the plate of a finger; its rubber is drawn as thin boxes.
-"""
+"""A moving picture of a grasp, and a still one of the five shapes in the air, by MuJoCo's renderer (MUJOCO_GL=egl)."""
 
 from __future__ import annotations
 
@@ -27,8 +24,6 @@ SIZES = {"moving": (360, 400), "still": (200, 220)}  # of a frame, of each solid
 # Of the camera: the point it looks at [m], distance [m], azimuth and elevation [degrees].
 EYES = {"moving": ((0.0, 0.0, 0.086), 0.40, 105.0, -18.0), "still": ((0.0, 0.0, 0.138), 0.21, 112.0, -16.0)}
 FIELD, FINER = 30, 2  # vertical field of view [degrees]; factor of size by which frames are drawn, then averaged
-BOXES, INTO = 60, 0.0012  # of a finger's rubber; how far the first reaches into the palm [m]
-RUBBER = np.array([0.98, 0.68, 0.52, 1.0], np.float32)
 
 
 class Film:
@@ -60,26 +55,7 @@ class Film:
             self._renderer.append(mujoco.Renderer(simulation.model, height, width))
         (renderer,) = self._renderer
         renderer.update_scene(simulation.data, self._camera)
-        scene = renderer.scene
-        for middle, half, axes in rubber(simulation):
-            geom = scene.geoms[scene.ngeom]
-            mujoco.mjv_initGeom(geom, mujoco.mjtGeom.mjGEOM_BOX.value, half, middle, axes.ravel(), RUBBER)
-            geom.category = mujoco.mjtCatBit.mjCAT_DYNAMIC  # otherwise it casts no shadow
-            scene.ngeom += 1
         return Image.fromarray(renderer.render()).resize(SIZES[self.kind], Image.Resampling.LANCZOS)
-
-
-def rubber(simulation: Simulation) -> list[tuple[np.ndarray, ...]]:
-    """Thin boxes that fill all fingers from palm to plates: middle, half lengths [m], axes in columns."""
-    found: list[tuple[np.ndarray, ...]] = []
-    for spring in simulation.springs:
-        inputs = np.concatenate([simulation.tensions[spring.finger, spring.pulled], spring.inverse.wrench])
-        boxes = spring.rubber.boxes(simulation.data, inputs, BOXES)
-        if boxes is not None:
-            centres, halves, axes = (part.copy() for part in boxes)
-            halves[0, 0] += INTO
-            found += zip(centres, halves, axes, strict=True)
-    return found
 
 
 def filmed(model: TouchedSegment, shape: str, kind: str) -> tuple[int, list[Image.Image]]:

@@ -12,6 +12,7 @@ from control import Flaws, Gripper, Limits
 from control.grasping.grasp_controller import DISTINCT, GraspOptions, Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
+from control.mujoco.layouts import best_layout
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
 from control.mujoco.table import STEP, table
 from rom import TouchedSegment
@@ -84,23 +85,20 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     It is refused (before anything moves: no contact force would neither drop nor crush the solid), let go (before the
     solid is lifted), held, dropped, or crushed.
     """
-    gripper, solid = Gripper(model, limits=Limits(rate=MOTOR)), one.solid
-    turn = solid.best_turn(gripper.directions)
-    held = solid.turned(turn).held(gripper.directions)
-    simulation = table(gripper, model.rod, solid, one.error, turn, STEP)
+    solid = one.solid
+    gripper, turn, wanted = best_layout(model, solid, Limits(rate=MOTOR), MARGIN)
     row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
-    row["number"] = one.number
-    wanted = gripper.targets(held, margin=MARGIN)
+    row |= {"number": one.number, "fingers": len(gripper.fingers)}
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
     if wanted.contact_forces.min() < least_felt(one):
         reason = f"{wanted.contact_forces.min():.2g} N cannot be distinguished from no contact"
         return row | {"fate": "refused", "reason": reason, "impossible": False}
-    watch = Watch(simulation, looks or [])
+    watch = Watch(table(gripper, model.rod, solid, one.error, turn, STEP), looks or [])
     row |= perform(gripper, one, wanted.contact_forces, watch)
     if watch.hardest > solid.admissible_force:
         row |= {"fate": "crushed", "reason": f"{watch.hardest:.3g} N on {solid.admissible_force:.3g} N"}
-    marks = {name: bool(getattr(simulation, name).any()) for name in ("left", "lost", "rubbed")}
+    marks = {name: bool(getattr(watch.simulation, name).any()) for name in ("left", "lost")}
     return row | marks | {"hardest": watch.hardest}
 
 
@@ -115,7 +113,7 @@ def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> d
     driven = plants(simulation, PERIOD, one.flaws, one.number)
     closing = close(gripper, one, wanted, driven, watch)
     row: dict[str, Any] = {"closing_seconds": simulation.time}
-    doubt = closing.doubt or closing.failed() or ("rubber may have touched" if simulation.rubbed.any() else "")
+    doubt = closing.doubt or closing.failed()
     if doubt:
         return row | {"fate": "let go", "reason": doubt}
     begun, slips, first = below(simulation), {}, len(watch.forces)

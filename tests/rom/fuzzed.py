@@ -25,7 +25,6 @@ from rom.export.c_header import header
 from rom.export.model import struct
 from rom.files.checked_file import BLOCK, ModelError
 from rom.native import LIBRARY, pointer
-from rom.rod.compiled import rubber_boxes
 from rom.rod.compiled.contacts import find_contacts, material_points
 from rom.rod.compiled.evaluation import sections
 from rom.rod.compiled.reports import Reports
@@ -222,9 +221,7 @@ def asked_of_a_rod(model: TouchedSegment, points: np.ndarray) -> None:
     first = model.rod.segments[0]
     sections(model.rod.struct, points[4, :-1], np.zeros((len(model.rod.segments), 6)))
     inputs = np.append(points[4, :-1], np.zeros(6))
-    centre, rotation, _, _ = first.place(inputs)
-    begins = np.array([[0.0, y, z] for y in (-1, 1) for z in (-1, 1)])
-    rubber_boxes(first.struct, inputs, begins, centre, rotation, 24)
+    centre, *_ = first.place(inputs)
     loads = model.answers(points[4]).loads[0]
     found = find_contacts(model.touching, points[4, :-1], float(points[4, -1]), np.zeros(3), loads)
     if found is not None:

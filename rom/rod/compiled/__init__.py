@@ -235,18 +235,3 @@ def place_chain(
         *map(pointer, (centres, rotations, motions)),
     )
     return centres, rotations, motions, bool(inside)
-
-
-def rubber_boxes(
-    compiled: Any, inputs: np.ndarray, begins: np.ndarray, centre: np.ndarray, rotation: np.ndarray, count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """The rubber of a segment as boxes from the corners where it begins, shape (4, 3) [m], to its plate.
-
-    Returns:
-        centres, shape (count, 3) [m], half lengths, shape (count, 3) [m], and axes, shape (count, 3, 3), in columns;
-        None where nothing is known of it.
-    """
-    found = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3, 3))
-    given = [pointer(np.ascontiguousarray(one, float)) for one in (inputs, begins, centre, rotation)]
-    known = LIBRARY.functions.fingerfem_rubber_boxes(compiled, *given, count, memory_of(compiled), *map(pointer, found))
-    return found if known else None

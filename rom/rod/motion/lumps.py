@@ -47,15 +47,15 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
     steel = mean_squares(rod.scene)
 
     def bar(length: float, size: float, begin: float) -> np.ndarray:
-        """A prism of rubber with the section at a size [-], see `_prism`."""
-        return _prism(density * length * whole * size**2, length, squares * size**2, begin)
+        """A prism of rubber with the section at a size [-], see `prism`."""
+        return prism(density * length * whole * size**2, length, squares * size**2, begin)
 
     plates, sections = list[np.ndarray](), list[np.ndarray]()
     first, others = list[np.ndarray](), list[np.ndarray]()  # mass matrices of elements at plates, of the others
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
         half, begins = segment.half_lengths[0], [segment.half_lengths[0], *[0.0] * (len(own) - 1)]
         area_of_plate = whole * own[0].ends[0] ** 2
-        bodies = [_prism(2 * half * plate_density * area_of_plate, 2 * half, steel * own[0].ends[0] ** 2, -half)]
+        bodies = [prism(2 * half * plate_density * area_of_plate, 2 * half, steel * own[0].ends[0] ** 2, -half)]
         for piece, behind in zip(own, begins, strict=True):
             length = (piece.length - behind) / 2  # an element of the plate begins at its centre, the rubber at its back
             distal, proximal = piece.ends
@@ -80,7 +80,7 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
     return Lumps(found[:, 0], found[:, 1:4], found[:, 4:].reshape(-1, 3, 3), np.array(first + others))
 
 
-def _prism(mass: float, length: float, squares: np.ndarray, begin: float) -> np.ndarray:
+def prism(mass: float, length: float, squares: np.ndarray, begin: float) -> np.ndarray:
     """Mass, first moment and moments of inertia, shape (13,), of a prism along x that begins at x [m].
 
     `squares` are the means of y^2 and z^2 over its section, shape (2,) [m^2].
@@ -115,7 +115,7 @@ def _element_mass(
             whole = np.outer(shapes, shapes) + square * np.outer(slopes, slopes)
             found[np.ix_(columns, columns)] += weight * signs[:, None] * signs * whole
     for half, begin in ((0, -length / 2), (6, 0.0)):
-        found[half : half + 6, half : half + 6] -= _rigid(_prism(mass / 2, length / 2, squares, begin))
+        found[half : half + 6, half : half + 6] -= _rigid(prism(mass / 2, length / 2, squares, begin))
     carried = np.eye(12)  # from the bodies' centres to the rubber's ends
     for k, arm in ((0, -arms[0]), (6, arms[1])):
         carried[k + 1, k + 5], carried[k + 2, k + 4] = arm, -arm
@@ -123,7 +123,7 @@ def _element_mass(
 
 
 def _rigid(numbers: np.ndarray) -> np.ndarray:
-    """The mass matrix of `_prism`, shape (6, 6)."""
+    """The mass matrix of `prism`, shape (6, 6)."""
     crossed = np.cross(np.eye(3), numbers[1:4])  # crossed @ v = s x v
     return np.block([[numbers[0] * np.eye(3), crossed.T], [crossed, numbers[4:].reshape(3, 3)]])
 

@@ -41,9 +41,9 @@ def assert_home(simulation):
         np.testing.assert_array_equal(simulation.data.joint(name).qpos, expected)
         np.testing.assert_array_equal(simulation.data.joint(name).qvel, VELOCITIES[name])
     assert simulation.data.ctrl[0] == 0.4
-    for spring in simulation.springs:
-        own = simulation.data.qpos[spring.position : spring.position + 7]
-        np.testing.assert_array_equal(own, [0, 0, 0, 1, 0, 0, 0])
+    for joint in [one for finger in simulation.fingers for names in finger.joints for one in names]:
+        own = simulation.data.joint(joint).qpos
+        np.testing.assert_array_equal(own, [1, 0, 0, 0] if len(own) > 1 else [0])
 
 
 @pytest.mark.parametrize("body", ["world", "link", "wrist", "tool", "cup"])

@@ -93,23 +93,6 @@ def test_every_slice_is_of_one_element_where_its_middle_is():
     assert (shares >= 0).all() and (shares <= 1).all() and set(own.tolist()) == {0, 1, 2}
 
 
-def test_boxes_contain_the_rod(finger):
-    (own,), count = finger.segments, 24
-    inputs = 0.5 * elastic_rod.pressed(6, 8)
-    at = np.linspace(0.0, 0.050 - PLATE, 8 * count + 1)
-    for row, corners in zip(inputs, corners_at(inputs, 0.050, at), strict=True):
-        plate = finger.place(row[:2], row[None, 2:])
-        centres, halves, axes = native.rubber_boxes(
-            own.struct, row, SQUARE, plate.centres[0], plate.rotations[0], count
-        )
-        assert axes.transpose(0, 2, 1) @ axes == pytest.approx(np.tile(np.eye(3), (count, 1, 1)), abs=1e-12)
-        seen = np.einsum(
-            "bij,bpki->bpkj", axes, corners[8 * np.arange(count)[:, None] + np.arange(9)] - centres[:, None, None]
-        )
-        assert (np.abs(seen) / halves[:, None, None] - 1).max() < 0.13  # a bent piece has a longer side
-        assert np.abs(np.abs(seen) - halves[:, None, None])[..., 1:].max() < 1e-4
-
-
 def test_a_finger_of_another_size_is_noticed_as_early_by_its_size(finger):
     scene, size = elastic_rod.scene(), 3.0
     scene["geometry"] = {"side": size * 0.010, "segments": [size * 0.050], "plate": size * PLATE, "channel": None}
