@@ -151,12 +151,13 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     fingerfem_chain chain = *touching->chain;
     const fingerfem_touching touched = {&chain, touching->count, touching->objects};
     const int t = chain.tensions;
-    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .rubber = inside[1]};
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .rubber = inside[1] == FINGERFEM_RUBBER_PRESSES};
     double held[TENSIONS_MOST], seen[TENSIONS_MOST];
     relaxation_step relaxation;
     chain_rods map;
     contact_state state;
-    inertia_method(inertia->radius, &step);
+    /* where contact lasts, its wrench and those of elements are both of the step's end: as a mean with those before it they make energy */
+    inertia_method(inside[1] == FINGERFEM_NOTHING_PRESSES ? inertia->radius : 0.0, &step);
     contact_problem problem = {&touched, &map, {0.0}, inertia->masses ? &step : NULL, inertia->masses ? step.contact : 1.0};
     /* the weight on a base that moves, and its turning */
     if (base) memcpy(chain.gravity, base, sizeof chain.gravity);
@@ -179,8 +180,11 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
-    inside[1] = 0;
-    for (int k = 0; k < state.at.contacts.count; k++) inside[1] |= state.forces[k] > 0.0 && placed_slice_of(&state.at, k);
+    inside[1] = FINGERFEM_NOTHING_PRESSES;
+    for (int k = 0; k < state.at.contacts.count; k++) {
+        const int pressed = placed_slice_of(&state.at, k) ? FINGERFEM_RUBBER_PRESSES : FINGERFEM_PLATES_PRESS;
+        if (state.forces[k] > 0.0 && inside[1] < pressed) inside[1] = pressed;
+    }
     /* where the step ends, and how bodies move there */
     *energy = 0.0;
     for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;

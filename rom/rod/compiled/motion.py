@@ -37,7 +37,7 @@ class Stepper:
     """Steps of one finger, in memory of its own.
 
     A state is one array: of every body 30 numbers, see segment.h; the loads on all bodies, those of contacts and of
-    inertia, shape (6 bodies,) [N, N m]; then what relaxes in viscoelastic rubber.
+    inertia, shape (6 bodies,) [N, N m]; then what relaxes in viscoelastic rubber; and what presses, see segment.h.
 
     Args:
         touching: the finger and its objects, a struct fingerfem_touching.
@@ -59,7 +59,7 @@ class Stepper:
         self._with_mass, self._without = (
             LIBRARY.struct("fingerfem_inertia", **one, **more) for one in (inertia, dict[str, Any]())
         )
-        self._memory, self._state = memory_of(chain), np.zeros(bodies * (MOVING + 6) + relaxing)
+        self._memory, self._state = memory_of(chain), np.zeros(bodies * (MOVING + 6) + relaxing + 1)
         self._point, self._base = np.zeros(chain.tensions + touching.count), np.zeros(BASE)
         self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(2, np.int32)
         ends = bodies * MOVING, bodies * (MOVING + 6)
@@ -77,6 +77,7 @@ class Stepper:
         self._point[: len(tensions)] = tensions
         _, moving, relaxing, pressed, *_ = self._results
         self._state[self._bodies * MOVING :][: len(loads)] = loads
+        self._state[-1] = LIBRARY.constants.FINGERFEM_NOTHING_PRESSES
         arguments = self._given, pressed, self.branches, self._memory, moving, relaxing
         known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
         return self._state.copy() if known else None
@@ -106,7 +107,7 @@ class Stepper:
             base: how it moves at the step's end, shape (9,), see segment.h; None if it rests.
             has_mass: whether it has; else the step ends at rest.
         """
-        self._state[:], self._point[:] = state, point
+        self._state[:], self._point[:], self._inside[1] = state, point, state[-1]
         turned = LIBRARY.ffi.NULL
         if base is not None:
             self._base[:], turned = base, self._turned
@@ -115,4 +116,5 @@ class Stepper:
         )
         if evaluations <= 0:
             return None
+        self._state[-1] = self._inside[1]
         return Stepped(self._state.copy(), self._forces.copy(), float(self._energy[0]), bool(self._inside[0]))

@@ -63,7 +63,8 @@ class MovingFinger:
         parameters: tensions [N] and d [m] at which it rests, without contact, shape (t + m,).
         density: of the rubber [kg/m^3]; that of [gravity] if left out.
         plate_density: likewise of the plates.
-        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 damps nothing.
+        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 damps nothing. While anything presses
+            it is 0: else lasting contact makes energy.
         parts: into which interior elements are cut; more of them have more exact higher frequencies.
 
     Raises:

@@ -99,6 +99,18 @@ def test_contact_takes_energy_and_never_gives_any(finger):
     )
 
 
+@pytest.mark.parametrize(("tension", "d"), [(50.0, 0.01), (30.0, 0.002)])
+@pytest.mark.parametrize("radius", [1.0, 0.8])
+def test_lasting_contact_makes_no_energy(finger, tension, d, radius):
+    one = moving(finger, (0.0, 0.0, d), radius=radius)
+    pulled = [one.step([min(tension, 50 * tension * (k + 1) * 1e-3), 0.0, d], 1e-3) for k in range(1000)]
+    energies = np.array([state.kinetic_energy for state in pulled]).reshape(5, -1).max(axis=1)
+    assert energies[0] > 1e-4 and (np.diff(energies) < 0).all() and energies[-1] < 1e-6 * energies[0]
+    assert pulled[-1].contact_forces[0] == pytest.approx(
+        float(finger.evaluate([tension, 0.0, d]).contact_force), rel=1e-4
+    )
+
+
 def test_energy_of_a_free_vibration_stays_and_with_damping_never_grows(finger):
     for radius in (1.0, 0.0):
         one = moving(finger, (5.0, 0.0, AWAY), radius=radius, parts=1)
