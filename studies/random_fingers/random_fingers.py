@@ -22,7 +22,7 @@ from studies.cores import on_cores
 from studies.parts import Run
 from studies.random_fingers import drawn
 
-COUNT, TOGETHER = 200, 10  # fingers; of a call
+COUNT, TOGETHER = 100, 10  # fingers; of a call
 CELLS = range(5, 16)  # across, tried in this order
 BALANCE = 1e-6  # largest reaction of the clamp, but for weight and pressure there, over E A [-]
 
