@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from control.loop import run
     from control.motion import Limits, Motion
     from control.plant import Flaws, MovingPlant, Plant, SimulatedPlant
+    from control.tracking.options import TrackingOptions
+    from control.tracking.tracking_controller import TrackingController
 
 _HOMES = {
     "Calibration": "calibration.calibration",
@@ -33,6 +35,8 @@ _HOMES = {
     "Plant": "plant",
     "SimulatedPlant": "plant",
     "Targets": "grasping.grasp_forces",
+    "TrackingController": "tracking.tracking_controller",
+    "TrackingOptions": "tracking.options",
     "calibrate": "calibration.calibrate",
     "run": "loop",
 }
@@ -52,6 +56,8 @@ __all__ = [
     "Plant",
     "SimulatedPlant",
     "Targets",
+    "TrackingController",
+    "TrackingOptions",
     "calibrate",
     "run",
 ]

@@ -36,6 +36,7 @@ class Flaws:
         delay: pulls by which its readings are late.
         period: from pull to pull [s], from which their age follows.
         force_error: share by which the contact force is larger than the model's [-].
+        tip_noise: standard deviation of each coordinate of the tip's readings [m].
     """
 
     noise: float = 0.0
@@ -43,13 +44,15 @@ class Flaws:
     delay: int = 0
     period: float = 1e-3
     force_error: float = 0.0
+    tip_noise: float = 0.0
 
 
 class Sensor:
-    """A force sensor with flaws.
+    """A force sensor with flaws; where the tip is given, also a sensor of it.
 
     Attributes:
         age: of the last reading [s].
+        tip: the last reading of it, shape (3,) [m].
 
     Args:
         flaws: its own.
@@ -57,16 +60,19 @@ class Sensor:
     """
 
     def __init__(self, flaws: Flaws, seed: int = 0):
-        self.age = 0.0
+        self.age, self.tip = 0.0, np.full(3, np.nan)
         self._flaws, self._random = flaws, np.random.default_rng(seed)
-        self._forces: list[float] = []
+        self._past: list[tuple[float, np.ndarray | None]] = []
 
-    def read(self, contact_force: float) -> float:
-        """What it says of a contact force now [N]."""
-        flaws = self._flaws
-        self._forces = [*self._forces[-flaws.delay :], contact_force] if flaws.delay else [contact_force]
-        self.age = flaws.period * (len(self._forces) - 1)
-        felt = self._forces[0] + flaws.noise * float(self._random.standard_normal())
+    def read(self, contact_force: float, tip: np.ndarray | None = None) -> float:
+        """What it says of a contact force [N] and of a tip, shape (3,) [m], now."""
+        flaws, now = self._flaws, (contact_force, tip)
+        self._past = [*self._past[-flaws.delay :], now] if flaws.delay else [now]
+        self.age = flaws.period * (len(self._past) - 1)
+        then, place = self._past[0]
+        felt = then + flaws.noise * float(self._random.standard_normal())
+        if place is not None:
+            self.tip = place + flaws.tip_noise * self._random.standard_normal(3)
         return felt if flaws.resolution == 0 else flaws.resolution * round(felt / flaws.resolution)
 
 
@@ -113,7 +119,7 @@ class MovingPlant:
 
     Attributes:
         state: after the last pull; None before the first.
-        age: of the last reading [s].
+        age: of the last readings [s].
 
     Args:
         model: of the finger before one object.
@@ -122,9 +128,10 @@ class MovingPlant:
         flaws: none if left out; their period is that from pull to pull [s].
         seed: of the noise.
         steps: of time in a period.
+        tensions: by which it rests before the first pull, shape (t,) [N]; none if left out.
 
     Raises:
-        ModelError: no density, or the object touches the finger without tensions.
+        ModelError: no density, or the object touches the finger that rests.
     """
 
     def __init__(
@@ -135,12 +142,23 @@ class MovingPlant:
         flaws: Flaws | None = None,
         seed: int = 0,
         steps: int = 1,
+        tensions: ArrayLike | None = None,
     ):
         self.state: MotionState | None = None
         self.age, self._distance, self._steps, self._flaws = 0.0, distance, steps, flaws or Flaws()
-        self._sensor = Sensor(self._flaws, seed)
-        rest = np.append(np.zeros(len(model.rod.names)), distance)
+        self._sensor, self._rest = Sensor(self._flaws, seed), model.rod.rest
+        rest = np.append(np.zeros(len(model.rod.names)) if tensions is None else np.asarray(tensions, float), distance)
         self._finger, self._tensions = MovingFinger(model, rest, density), rest[:-1]
+
+    @property
+    def tip(self) -> np.ndarray:
+        """Reading of the tip plate's centre in the clamp's frame, of the same age, shape (3,) [m]; nan before one."""
+        return self._sensor.tip
+
+    @property
+    def true_tip(self) -> np.ndarray:
+        """The tip plate's centre in the clamp's frame after the last pull, shape (3,) [m]; nan before one."""
+        return np.full(3, np.nan) if self.state is None else self._rest + self.state.tip
 
     @property
     def contact_force(self) -> float:
@@ -163,7 +181,7 @@ class MovingPlant:
                     f"{goal.tolist()}, {self.state.time:.4g} s"
                 )
         self._tensions = goal
-        felt, self.age = self._sensor.read(self.contact_force), self._sensor.age
+        felt, self.age = self._sensor.read(self.contact_force, self.true_tip), self._sensor.age
         return felt
 
 

@@ -23,9 +23,11 @@ class Line(Protocol):
 
     def fileno(self) -> int:
         """The file descriptor."""
+        ...
 
     def write(self, data: bytes, /) -> int | None:
         """Write all bytes."""
+        ...
 
 
 def framed(datagram: bytes) -> bytes:
@@ -81,10 +83,10 @@ class SerialBridge:
 
     def forward(self, wait: float = 0.0) -> int:
         """Forward all that is there; wait at most `wait` [s] for the first. Returns the number of datagrams."""
-        line, datagrams = self._line.fileno(), self._socket.fileno()
-        ready, _, _ = select.select([line, datagrams], [], [], wait)
+        line, own = self._line.fileno(), self._socket.fileno()
+        ready, _, _ = select.select([line, own], [], [], wait)
         count = self._from_line() if line in ready else 0
-        return count + self._from_socket() if datagrams in ready else count
+        return count + self._from_socket() if own in ready else count
 
     def _from_line(self) -> int:
         """Send the datagrams of all frames that are whole; what is begun stays."""
@@ -93,7 +95,7 @@ class SerialBridge:
         found = [datagram_of(one) for one in frames]
         datagrams = [one for one in found if one is not None]
         self.broken += len(found) - len(datagrams)
-        if self._peer is not None:
+        if self._peer:
             for one in datagrams:
                 self._socket.sendto(one, self._peer)
         return len(datagrams)

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
-from rom.elements.law import POSE, ElementLaw, ElementMap
+from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
 from rom.files.checked_file import ModelError
 
@@ -94,9 +94,10 @@ def shear_by_bending(interior: ElementLaw) -> np.ndarray:
     Without loads, under a force f at its distal section the proximal one is displaced by f (l^3 / (6 E I) - c l), seen
     from there; under a moment m it turns by -m l / (E I).
     """
-    length = interior.lengths[1]
-    by_wrench = _by_wrench(interior.of_length(length))
-    return np.array([length**2 / 6 + by_wrench[k, k] / (2 * by_wrench[turn, turn]) for k, turn, _ in PLANES])
+    length, t = interior.lengths[1], interior.tensions.shape[1]
+    _, gradient = interior.of_length(length).value_and_gradient(np.zeros((1, t + 6)))
+    by = gradient[0, :, t:]
+    return np.array([length**2 / 6 + by[k, k] / (2 * by[turn, turn]) for k, turn, _ in PLANES])
 
 
 def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
@@ -107,26 +108,16 @@ def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
         piece: its length and sizes.
         shear: c E I at size 1, see `shear_by_bending`.
     """
-    law, m, length = element.polynomial, len(element.tension_map), piece.length
+    law, length = element.polynomial, piece.length
     ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l
-    linear, moved = _by_wrench(element), law.coefficients.copy()
-    more = np.zeros((6, law.coefficients.shape[1]))  # rows are of the wrench
+    found, wrench = law.coefficients.copy(), law.powers[:, -6:]
+    linear = [(wrench == one).all(axis=1) for one in np.eye(6)]  # terms that a component of the wrench is linear in
     for (k, turn, sign), own in zip(PLANES, shear, strict=True):
-        nearer = ratio / length * (length**2 / 4 - own * piece.size**2)
-        moved[:, k] += sign * 2 * nearer * law.coefficients[:, turn]  # the law has half turns
-        more[turn, k] = sign * 2 * linear[turn, turn] * (ratio * length / 3 - nearer)
-        more[k, k] = -sign * 2 * linear[turn, k] * nearer
-        more[k, turn] = linear[turn, k] * ratio * 2 / 3
+        turns, moment, force = 2 * law.coefficients[:, turn], linear[turn], linear[k]  # the law has half turns
+        nearer = np.full(len(turns), ratio / length * (length**2 / 4 - own * piece.size**2))
+        nearer[moment], nearer[force] = ratio * length / 3, 0.0
+        found[:, k] += sign * nearer * turns
+        found[force, turn] *= 1 + ratio * 2 / 3
     for turn in range(3, 6):
-        more[turn, turn] = linear[turn, turn] * ratio**2 / 6
-    middle, half = (law.upper + law.lower)[m:] / 2, (law.upper - law.lower)[m:] / 2
-    powers = np.eye(m + 7, m + 6, -1, dtype=int)[[0, *range(m + 1, m + 7)]]  # 1, then each component of the wrench
-    terms = replace(law, powers=powers, coefficients=np.vstack([middle @ more, half[:, None] * more]))
-    return replace(element, polynomial=replace(law, coefficients=moved).plus(terms))
-
-
-def _by_wrench(element: ElementMap) -> np.ndarray:
-    """Derivatives of an element's pose by its wrench, without loads, shape (6, 6) [m, - per N, N m]."""
-    t = element.tension_map.shape[1]
-    _, gradient = element.value_and_gradient(np.zeros((1, t + 6)))
-    return np.asarray(gradient[0, :POSE, t:])
+        found[linear[turn], turn] *= 1 + ratio**2 / 6
+    return replace(element, polynomial=replace(law, coefficients=found))

@@ -349,10 +349,16 @@ enum { FINGERFEM_MOST_BRANCHES = 8 };
  * if it rests, at the step's end: `moving` is where it begins and what it ends with, both seen from the base, as are the loads on all bodies,
  * contacts' and inertia's, and, with branches, what relaxes of all loads, (1 + branches, 6 elements + tensions) [N, N m]. Takes the force of every object, (count) [N], along its
  * direction, the kinetic energy [J], and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
- * `moving` and loads stay; `inside` is as that of `fingerfem_touch`. */
+ * `moving` and loads stay; `inside`, (2), is as that of `fingerfem_touch`, and whether rubber presses: of the last step, with which the solve
+ * begins, and then of this one. */
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
                    int32_t *inside, fingerfem_pressing *pressing);
+
+/* Mass matrix, and motions by wrenches, of all bodies in their own frames, (6 bodies, 6 bodies), at tensions without loads; of bodies from
+ * the clamp to the tip. Returns 0 if there are more bodies than there is room for. */
+int fingerfem_linearise(const fingerfem_chain *chain, const fingerfem_inertia *inertia, const double *tensions, double *memory, double *mass,
+                        double *compliance);
 
 /* The bodies at rest at tensions and loads, as `moving` of a first step, and what relaxes of so many branches; returns 0 if there are more
  * bodies than there is room for. */

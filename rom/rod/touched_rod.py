@@ -72,7 +72,7 @@ class TouchedRod(ParametricModel, PickledByFields):
         """Of the objects' distances."""
         return [f"d{k + 1}" for k in range(len(self.objects))]
 
-    @property
+    @cached_property
     def parameters(self) -> list[Parameter]:
         """Tensions and pressures, then the distance of every object."""
         ends = [(name, *one.distances) for name, one in zip(self.distance_names, self.objects, strict=True)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from control import Calibration, CalibrationOptions, calibrate
+from control.calibration.fit import information
+from control.finger import NORMAL_95
 from control.log import write_log
 from rom import TouchedSegment
-from studies.calibration.states import LAWS, solved
-from studies.cores import on_cores
+from studies.calibration.states import LAWS
 from studies.parts import Run
 
 LOGS, POSES, SEED = 30, (20, 40), 3  # logs, and the number of poses of each
@@ -51,11 +53,21 @@ def columns(states: States, rows: np.ndarray, modulus: float, base: np.ndarray, 
     return found
 
 
-def effective(folder: Path, states: States, rows: np.ndarray) -> float:
-    """The modulus, over the small-strain one, with which the model's law acts like the states' own, without noise."""
+def without_noise(folder: Path, states: States, rows: np.ndarray) -> Calibration:
+    """A log of states without noise, calibrated: with this modulus the model's law acts like the states' own."""
     file = write_log(folder / "effective.csv", columns(states, rows, 1.0, np.zeros(6), None))
-    found = calibrate(TouchedSegment.load(), file, CalibrationOptions(noise=NONE))
+    return calibrate(TouchedSegment.load(), file, CalibrationOptions(noise=NONE))
+
+
+def modulus_of(found: Calibration) -> float:
+    """The modulus over the small-strain one."""
     return found.value("modulus") / found.parameters[0].start
+
+
+def least_deviation(found: Calibration) -> float:
+    """The bound of Cramer and Rao for the standard deviation of the modulus with the noise of the logs [-]."""
+    given = information(found.measured, NOISE, found.fit.unknowns, found.fit.tensions)
+    return float(np.sqrt(np.linalg.inv(given)[0, 0]))
 
 
 def one_log(folder: Path, states: States, pool: np.ndarray, truth: float, seed: int) -> dict[str, Any]:
@@ -70,9 +82,10 @@ def one_log(folder: Path, states: States, pool: np.ndarray, truth: float, seed: 
         bool(one.interval and one.interval[0] <= value <= one.interval[1])
         for one, value in zip(found.parameters, values, strict=True)
     ]
-    modulus = found.value("modulus") / found.parameters[0].start
+    modulus = modulus_of(found)
     return {
         "poses": found.poses,
+        "bound": least_deviation(found),
         "modulus": modulus / (stiff * truth) - 1,
         "small_strain": modulus / stiff - 1,
         "covered": covered,
@@ -102,12 +115,18 @@ def summary(logs: list[dict[str, Any]]) -> dict[str, Any]:
         "logs": len(logs),
         "poses": [min(one["poses"] for one in logs), max(one["poses"] for one in logs)],
         "modulus": quantiles(errors),
+        "bound": float(NORMAL_95 * np.sqrt(np.mean([one["bound"] ** 2 for one in logs]))),
         "small_strain": quantiles(small),
         "modulus_covered": float(covered[:, 0].mean()),
         "base_covered": float(covered[:, 1:].mean()),
         "warned": sum(bool(one["warnings"]) for one in logs),
-        "force": quantiles(forces) | {"count": len(forces), "close": float((forces < CLOSE).mean())},
+        "force": force_summary(forces),
     }
+
+
+def force_summary(errors: np.ndarray) -> dict[str, float]:
+    """Quantiles of sizes of errors, and the share of small ones."""
+    return quantiles(errors) | {"count": len(errors), "close": float((errors < CLOSE).mean())}
 
 
 def quantiles(values: np.ndarray) -> dict[str, float]:
@@ -117,15 +136,22 @@ def quantiles(values: np.ndarray) -> dict[str, float]:
 
 def measure(run: Run) -> dict[str, Any]:
     """30 logs of free poses, and 30 with contact, half of them of each law."""
-    pools = run.once("states", lambda: on_cores(solved, [(law,) for law in LAWS]))
+    pools = json.loads((run.folder / "states.json").read_text())["result"]
     result: dict[str, Any] = {"laws": {}}
     logs: dict[str, list[dict[str, Any]]] = {"free poses": [], "with contact forces": []}
     for k, (law, pool) in enumerate(zip(LAWS, pools, strict=True)):
         states = arrays(pool)
         free = np.flatnonzero(~np.isfinite(states["distance"]))
         every = np.arange(len(states["force"]))
-        truths = [effective(run.folder, states, rows) for rows in (free, every)]
-        result["laws"][law] = {"states": len(every), "free": truths[0] - 1, "contact": truths[1] - 1}
+        exact = [without_noise(run.folder, states, rows) for rows in (free, every)]
+        truths = [modulus_of(one) for one in exact]
+        forces = np.abs(force_errors(exact[1], states, np.array([], int), 1.0))
+        result["laws"][law] = {
+            "states": len(every),
+            "free": truths[0] - 1,
+            "contact": truths[1] - 1,
+            "force": force_summary(forces),
+        }
         for name, rows, truth in zip(logs, (free, every), truths, strict=True):
             first = LOGS // len(LAWS) * k
             logs[name] += [one_log(run.folder, states, rows, truth, first + i) for i in range(LOGS // len(LAWS))]

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from studies import sets
+from studies.cores import on_cores
+from studies.parts import Run
 
 # Laws with the small-strain moduli of the bundled finger's neo-Hookean one.
 LAWS: dict[str, dict[str, Any]] = {
@@ -17,6 +19,11 @@ LARGEST, COUNT, SEED = 90.0, 60, 5  # tension [N], states; every other one touch
 DEPTHS, NEAREST = (0.5e-3, 12e-3), 2e-3  # of the plane beyond where it is touched, and its least distance [m]
 FARTHER = 3e-3  # fingers that touch only nearer planes stay free [m]
 FRONT = 1e-9  # of nodes on the front face, from that [m]
+
+
+def measure(run: Run) -> list[list[dict[str, Any]]]:
+    """States of every law."""
+    return on_cores(solved, [(law,) for law in LAWS])
 
 
 def solved(law: str) -> list[dict[str, Any]]:

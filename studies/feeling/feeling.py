@@ -70,8 +70,8 @@ def timed(call: Callable[[], Felt]) -> tuple[Felt, float]:
 
 
 def covers(covariance: np.ndarray, error: np.ndarray) -> bool:
-    """Whether an error lies in the region that covers 95 %."""
-    return bool(error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
+    """Whether an error lies in the region that covers 95 %; without a felt contact there is no covariance, and none."""
+    return bool(covariance.any() and error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
 
 
 def least_covariance(
@@ -96,7 +96,7 @@ def known_object(finger: Rod, case: Case, noise: Noise) -> Question:
     model, point, hint = before(finger, case.object), [*case.tensions, case.d], [case.d + 1e-3]
     sensed = KnownObjects(model, noise)
     by_force = model.answers(point).jacobians[0, 3:4]
-    bound = least_covariance(case, noise, model.report(point).shortening_jacobian[0], by_force, np.zeros(1))
+    bound = least_covariance(case, noise, model.report(point).shortening_jacobian, by_force, np.zeros(1))
 
     def estimate(pulled: np.ndarray, shorter: np.ndarray, random: np.random.Generator) -> Trial:
         felt, taken = timed(lambda: sensed.feel(pulled, shorter, hint=hint))

@@ -17,14 +17,14 @@ from studies.guides.histories import FRICTION, PULLED, before_plane, full_model
 from studies.parts import Run
 from studies.rods import plans
 
-HISTORIES, POSES, INCREMENTS = 5, 20, 2  # of different friction; points of each, and increments between two
-DRAWS, SEED = 6, 44  # of noise by history: the logs
-NOISE = {"tension": 0.02, "position": 5e-4}  # standard deviations [-, m]
+HISTORIES, POSES, INCREMENTS = 5, 30, 2  # of different friction; points of each, and increments between two
+DRAWS, SEED = 4, 44  # of noise by history: the logs
+NOISE = {"tension": 0.02, "shortening": 1e-4, "position": 5e-4}  # standard deviations [-, m, m]
 CLOSE = 0.02  # error that is asked for [-]
 
 
 def history(table: dict[str, Any], k: int) -> dict[str, Any] | None:
-    """Tensions [N] and positions of the tip [m] along a history of the full-order model; None if it fails."""
+    """Tensions [N], shortenings and positions of the tip [m] along a full-order history; None if it fails."""
     from fingerfem import LoadNotReached
     from fingerfem.guide_history import guide_history
 
@@ -34,24 +34,31 @@ def history(table: dict[str, Any], k: int) -> dict[str, Any] | None:
         states = guide_history(full_model(table, False), points, friction, increments=INCREMENTS)
     except LoadNotReached:
         return None
-    return {"friction": friction, "tensions": points.tolist(), "tips": [one.tip.tolist() for one in states]}
+    measured = {
+        "shortening": [one.shortenings.tolist() for one in states],
+        "position": [one.tip.tolist() for one in states],
+    }
+    return {"friction": friction, "tension": points.tolist(), **measured}
 
 
 def calibrated(folder: Path, rod: Rod, truth: dict[str, Any], seed: int) -> dict[str, Any]:
     """One log of a history, and what its calibration returns."""
     random = np.random.default_rng((SEED, HISTORIES, seed))
-    tensions, tips = np.array(truth["tensions"]), np.array(truth["tips"]) + rod.rest
-    tensions = tensions * (1 + NOISE["tension"] * random.standard_normal(tensions.shape))
-    tips = tips + NOISE["position"] * random.standard_normal(tips.shape)
-    columns = {f"{name} [N]": tensions[:, k] for k, name in enumerate(rod.names)}
-    columns |= {f"{axis} [m]": tips[:, k] for k, axis in enumerate("xyz")}
+    own = {name: np.array(truth[name]) for name in NOISE}
+    own["tension"] *= 1 + NOISE["tension"] * random.standard_normal(own["tension"].shape)
+    for name in ("shortening", "position"):
+        own[name] += NOISE[name] * random.standard_normal(own[name].shape)
+    columns = {f"{name} [N]": own["tension"][:, k] for k, name in enumerate(rod.names)}
+    columns |= {f"{name} [m]": own["shortening"][:, k] for k, name in enumerate(rod.names)}
+    columns |= {f"{axis} [m]": own["position"][:, k] + rod.rest[k] for k, axis in enumerate("xyz")}
     file = write_log(folder / f"friction-{seed}.csv", columns)
     found = calibrate(before_plane(rod), file, CalibrationOptions(fit=("modulus", "base", "friction")))
-    (own,) = (one for one in found.parameters if one.name == "friction")
-    covered = own.interval is not None and own.interval[0] <= truth["friction"] <= own.interval[1]
+    (fitted,) = (one for one in found.parameters if one.name == "friction")
+    lower, upper = fitted.interval or (np.nan, np.nan)
     return {
-        "error": own.value - truth["friction"],
-        "covered": covered,
+        "error": fitted.value - truth["friction"],
+        "half": (upper - lower) / 2,
+        "covered": bool(lower <= truth["friction"] <= upper),
         "modulus": found.value("modulus") / found.parameters[0].start - 1,
     }
 
@@ -71,6 +78,7 @@ def measure(run: Run) -> dict[str, Any]:
         "poses": POSES,
         "friction": quantiles(errors),
         "close": float(np.mean(errors <= CLOSE)),
+        "half": float(np.median([one["half"] for one in logs])),
         "covered": float(np.mean([one["covered"] for one in logs])),
         "modulus": quantiles(np.abs([one["modulus"] for one in logs])),
     }

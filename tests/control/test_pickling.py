@@ -12,6 +12,7 @@ from assembled import in_series
 import control
 import rom
 from control import CalibrationOptions, Finger, Gripper, Limits, calibrate
+from control.tracking import circle
 from rom import Rod
 from rom.rod.inverse_map import InverseMap
 
@@ -99,6 +100,15 @@ CLASSES = {
         lambda table: Gripper(table).targets(control.Object(mass=0.1, friction=0.5, admissible_force=9.0)),
         lambda one: [one.contact_forces],
     ),
+    "TrackingController": (
+        lambda table: control.TrackingController(
+            rom.load(),
+            circle([0.01, 0.01], 0.002, 4.0, 5e-3, 0.5),
+            control.TrackingOptions(period=5e-3, density=1100.0),
+        ),
+        lambda one: [one.step([0.047, 0.011, 0.01]).copy() for _ in range(3)],
+    ),
+    "TrackingOptions": (lambda table: control.TrackingOptions(noise=1e-4), lambda one: [one.noise]),
     "Grip": (
         lambda table: Gripper(table).grips(1.0)[0],
         lambda one: [one.step(0.0).copy() for _ in range(3)] + [one.step(0.3).copy() for _ in range(3)],

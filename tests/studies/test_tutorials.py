@@ -4,9 +4,13 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from rom import Rod
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -59,8 +63,6 @@ def test_the_scene_of_the_tutorial_trains_a_finger_that_holds_a_force(page, tmp_
 
 
 def test_the_scene_of_the_tutorial_is_what_its_preset_takes(page):
-    import tomllib
-
     from fingerfem.scene.scene import Scene
 
     (scene,) = re.findall(r'```toml title="mine/finger.toml"\n(.*?)```', page, re.DOTALL)
@@ -79,18 +81,52 @@ def test_a_held_force_is_that_of_the_full_order_model(demo):
 
 @pytest.mark.long
 def test_a_test_of_a_material_becomes_a_hanging_finger_that_holds_a_force(tmp_path):
-    """Its commands and files, in their order, with fewer states on fewer cells."""
-    page = (DOCS / "tutorials" / "your-material.md").read_text().replace("mine/", f"{tmp_path}/")
     smaller = {"cells = [20, 5]": "cells = [14, 5]", "lines = 16": "lines = 8\nwrenches = 2"}
+    assert followed(of_material()[0], smaller, tmp_path).startswith("converged")
+
+
+@pytest.mark.long
+def test_the_log_of_a_softer_robot_calibrates_a_long_tapered_finger(tmp_path):
+    """The robot is the full-order model of a tenth less modulus; the modulus is found, and its poses are answered."""
+    from fingerfem import FingerModel
+    from fingerfem.scene.scene import Scene
+
+    page = of_material()[1]
+    (scene,) = re.findall(r'```toml title="mine/tapered.toml"\n(.*?)```', page, re.DOTALL)
+    (columns,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    table = tomllib.loads(scene) | {"mesh": {"cells": [30, 5]}}
+    table["material"] |= {"C1": 0.9 * table["material"]["C1"], "D1": table["material"]["D1"] / 0.9}
+    robot, rows = FingerModel(Scene.model_validate(table)), [columns.strip()]
+    geometry = robot.scene.geometry
+    rest = np.array([geometry.length - geometry.half_lengths[-1, 0], 0.0, 0.0])
+    for tensions in ([0.0, 0.0], [0.4, 0.0], [0.8, 0.0], [0.0, 0.6]):
+        tip = robot.solve(tensions, sensitivities=False).tip + rest
+        rows.append(",".join(map(str, [*tensions, *(1000 * tip)])))
+    (tmp_path / "log.csv").write_text("\n".join(rows))
+    smaller = {"cells = [16, 5]": "cells = [12, 5]", "lines = 16": "lines = 8"}
+    assert followed(page, smaller, tmp_path).startswith("True")
+    modulus = Rod.load(tmp_path / "calibrated.h5").calibration["parameters"]["modulus"]
+    assert modulus["value"] / modulus["start"] == pytest.approx(0.9, abs=0.01)
+
+
+def of_material() -> list[str]:
+    """The tutorial of a material, and its section of a tapered finger."""
+    return (DOCS / "tutorials" / "your-material.md").read_text().split("## 6.")
+
+
+def followed(page: str, smaller: dict[str, str], folder: Path) -> str:
+    """What the last code of a tutorial prints: its files and commands, in their order, with texts replaced."""
+    page = page.replace("mine/", f"{folder}/")
     assert all(page.count(text) == 1 for text in smaller)
     for before, after in smaller.items():
         page = page.replace(before, after)
     for kind, file, block in re.findall(r'^```(\w+)(?: title="(.*?)")?\n(.*?)^```', page, re.DOTALL | re.MULTILINE):
         if file:
             Path(file).write_text(block)
+        if file or kind not in ("bash", "python"):
             continue
         for line in block.splitlines() if kind == "bash" else [f"python3 -c '{block}'"]:
             words = line.removeprefix("docker/run ").replace("python3", sys.executable)
             done = subprocess.run(words, shell=True, env=os.environ | {"PYTHONPATH": str(ROOT)}, **RUN)
             assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("converged"), done.stdout
+    return done.stdout

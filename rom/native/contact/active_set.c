@@ -24,7 +24,7 @@ int response_balance(const contact_problem *problem, const contact_state *state,
     double columns[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH], still[CHAIN_WRENCH], motion[CHAIN_WRENCH];
     int active[FINGERFEM_MOST_CONTACTS], known[FINGERFEM_MOST_CONTACTS] = {0}, fewest = all + 1, tries = 0;
     /* still = C S w: minus the motion of all bodies without contact forces, where w is without inertia's wrenches */
-    response_product(w, state->yielding, state->pressed, still);
+    response_move(problem, state, state->pressed, still);
     for (int k = 0; k < all; k++) active[k] = forces[k] > 0.0;
     for (int pivot = 0; pivot < PIVOTS; pivot++) {
         int rows[FINGERFEM_MOST_CONTACTS], wrong[FINGERFEM_MOST_CONTACTS], count = 0, wrongs = 0;

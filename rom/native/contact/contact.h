@@ -42,13 +42,14 @@ typedef struct {
     rubber_slice slice[FINGERFEM_MOST_CONTACTS];
 } placed;
 
-/* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts, and G, S and
- * C S. */
+/* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts; G; and the
+ * factors of 1 / S = 1 - G C, with the rows that they exchange. */
 typedef struct {
     placed at;
     double wrench[CHAIN_WRENCH], forces[FINGERFEM_MOST_CONTACTS];
     double pressed[CHAIN_WRENCH]; /* wrenches minus the inertial ones: those that contact must transmit */
-    chain_matrix following, soft, yielding;
+    chain_matrix following, factors;
+    int exchanged[CHAIN_WRENCH];
     chain_matrix mass; /* in a step of time */
 } contact_state;
 
@@ -59,6 +60,7 @@ typedef struct {
     const double *turning; /* of the base in its own axes: angular velocity [rad/s] and its rate, (6); NULL if it does not turn */
     double length, mean_mass, mean_force, beta, gamma;
     double contact; /* the share of contact forces that the balance at the step's end sees [-] */
+    int rubber;     /* whether the solve begins with contacts of rubber; else they come where an object lies in it */
 } contact_step;
 
 /* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is

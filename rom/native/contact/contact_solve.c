@@ -29,6 +29,8 @@
 #define FASTER 1e-2
 #define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
 #define LONGEST 0.5     /* longest step [-] */
+#define MOVING 1e-6     /* converged in a step of time: of the trained loads, what the next step would be by quadratic convergence, after one */
+#define SMALL 3e-4      /* below this, of which contact that slows the convergence leaves some 1e-3 [-] */
 
 /* Forces of the last pose's contacts for those of this pose, matched by name, plate and object; 0 for new contacts. */
 static void carry(const objects_contacts *before, const double *forces, const objects_contacts *now, double *found)
@@ -75,7 +77,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
     for (int i = 0; i < w; i++) target[i] = -state->pressed[i];
     for (int k = 0; k < contacts->count; k++)
         if (forces[k] > 0.0) response_press(&state->at, k, problem->share * forces[k], target);
-    response_product(w, state->soft, target, change);
+    response_soften(problem, state, target, change);
     /* size of the step, max_i |dw_i| / upper_i [-] */
     for (int i = 0; i < w; i++) {
         const int q = problem->map->bodies[i / W].segment;
@@ -88,16 +90,25 @@ static double step(const contact_problem *problem, double most, contact_state *s
     const double share = size > LONGEST ? most * LONGEST / size : most;
     for (int i = 0; i < w; i++) state->wrench[i] += share * change[i];
     for (int k = 0; k < contacts->count; k++) state->forces[k] += share * (forces[k] - state->forces[k]);
-    /* centres predicted for the next pose: c += R (C share dw) */
+    /* centres predicted for the next pose, c += R (C share dw); in a step of time, rotations too: it may end there */
     for (int k = 0; k < problem->map->count; k++) {
         chain_body *plate = state->at.chain.bodies + k;
-        for (int j = 0; j < 3; j++) {
-            double moved = 0.0;
-            for (int i = 0; i < w; i++) moved += share * plate->motion[j][i] * change[i];
-            for (int i = 0; i < 3; i++) plate->centre[i] += plate->rotation[3 * i + j] * moved;
+        double moved[W];
+        for (int j = 0; j < W; j++) {
+            moved[j] = 0.0;
+            for (int i = 0; i < w; i++) moved[j] += share * plate->motion[j][i] * change[i];
         }
+        for (int i = 0; i < 3; i++) plate->centre[i] += objects_dot(plate->rotation + 3 * i, moved);
+        if (problem->step) inertia_turn(moved + 3, plate->rotation);
     }
     return size;
+}
+
+/* Whether step k of this size, after one of the size `last`, is small enough. */
+static int converged(const contact_problem *problem, const contact_state *state, int k, double size, double last)
+{
+    if (problem->step && k > 1 && size < SMALL && size * size * size < MOVING * last * last) return 1;
+    return size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last);
 }
 
 /* Newton's method from a state's wrenches and forces. Returns the number of evaluations, negative if it did not
@@ -106,7 +117,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
 int contact_solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
-    int rubber = problem->map->count > problem->touching->chain->plates;
+    int rubber = problem->step ? problem->step->rubber : problem->map->count > problem->touching->chain->plates;
     double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
         /* bodies and contacts under the present wrenches, with the last forces as a start */
@@ -118,7 +129,7 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */
-        if (size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last)) {
+        if (converged(problem, state, k, size, last)) {
             if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
             rubber = 1;
         }

@@ -123,6 +123,16 @@ static void rotation_of(const double *v, double *found)
     }
 }
 
+void inertia_turn(const double *turn, double *rotation)
+{
+    double change[9], before[9];
+    memcpy(before, rotation, sizeof before);
+    rotation_of(turn, change);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            rotation[3 * i + j] = before[3 * i] * change[j] + before[3 * i + 1] * change[3 + j] + before[3 * i + 2] * change[6 + j];
+}
+
 /* Add Q^T K P of a block K of an element's mass, one of (12, 12), to the block of bodies a, b: Q and P turn their frames into that
  * between both. */
 static void add_block(const double *K, int first, int second, const double *Q, const double *P, int a, int b, chain_matrix mass)

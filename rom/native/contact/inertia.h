@@ -12,6 +12,9 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
 /* The same of a body at rest where it is. */
 void inertia_at_rest(const chain_body *body, double *moving);
 
+/* A rotation after a small turn in its own frame, (3) [rad], in place: R exp(turn). */
+void inertia_turn(const double *turn, double *rotation);
+
 /* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. */
 void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass);
 

@@ -31,35 +31,34 @@ static void forces_along(const contact_problem *problem, const contact_state *st
     }
 }
 
-/* The contacts that press, `rows`, their number; and changes of the acceleration of all bodies, (size, 1 + number): r / M with
+/* The contacts that press, `rows`, their number; and changes of the acceleration of all bodies, (1 + number, CHAIN_WRENCH): r / M with
  * the wrenches r of contact, then W_k / M of each. Returns -1 if the mass matrix is singular. */
-static int accelerated(const contact_problem *problem, const contact_state *state, int *rows, double *found)
+static int accelerated(const contact_problem *problem, const contact_state *state, int *rows, double (*found)[CHAIN_WRENCH])
 {
     const int size = contact_size(problem);
-    double system[CHAIN_WRENCH * CHAIN_WRENCH];
-    int count = 0;
+    double factors[CHAIN_WRENCH * CHAIN_WRENCH];
+    int count = 0, exchanged[CHAIN_WRENCH];
+    memset(found[0], 0, sizeof found[0]);
     for (int k = 0; k < state->at.contacts.count; k++)
         if (state->forces[k] > 0.0) rows[count++] = k;
-    /* right-hand sides r, W_1, W_2, ... */
-    memset(found, 0, (size_t)(size * (1 + count)) * sizeof *found);
+    for (int i = 0; i < size && count; i++) memcpy(factors + size * i, state->mass[i], (size_t)size * sizeof *factors);
+    if (count && !small_factorise(size, size, factors, exchanged)) return -1;
     for (int k = 0; k < count; k++) {
-        const contact_arms *arms = state->at.arms + rows[k];
-        for (int a = 0; a < arms->count; a++)
-            for (int i = 0; i < W && problem->map->bodies[arms->bodies[a]].segment != CHAIN_GROUND; i++) {
-                double *row = found + (1 + count) * (W * arms->bodies[a] + i);
-                row[0] += state->forces[rows[k]] * arms->wrenches[a][i];
-                row[1 + k] += arms->wrenches[a][i];
-            }
+        double *own = found[1 + k];
+        /* W_k, but for the ground, which does not move; then r / M = sum f_k W_k / M */
+        memset(own, 0, sizeof found[0]);
+        response_press(&state->at, rows[k], 1.0, own);
+        memset(own, 0, problem->map->bodies[0].segment == CHAIN_GROUND ? W * sizeof *own : 0);
+        small_substitute(size, size, factors, exchanged, own);
+        for (int i = 0; i < size; i++) found[0][i] += state->forces[rows[k]] * own[i];
     }
-    for (int i = 0; i < size; i++) memcpy(system + size * i, state->mass[i], (size_t)size * sizeof *system);
-    return count && !small_solve(size, system, 1 + count, found) ? -1 : count;
+    return count;
 }
 
 /* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, with a small diagonal term, so that contacts of one normal share a force. */
-static void stop(const contact_problem *problem, const contact_state *state, int count, const int *rows, const double *changes, double *moving)
+static void stop(const contact_problem *problem, const contact_state *state, int count, const int *rows, double (*changes)[CHAIN_WRENCH], double *moving)
 {
     double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
-    const int columns = 1 + count;
     /* W^T W / M and W^T v */
     for (int i = 0; i < count; i++) {
         const contact_arms *own = state->at.arms + rows[i];
@@ -70,7 +69,7 @@ static void stop(const contact_problem *problem, const contact_state *state, int
             if (problem->map->bodies[body].segment == CHAIN_GROUND) continue;
             velocity[i] += inertia_velocity_along(own->wrenches[a], moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
             for (int j = 0; j < count; j++)
-                for (int l = 0; l < W; l++) matrix[count * i + j] += own->wrenches[a][l] * changes[columns * (W * body + l) + 1 + j];
+                for (int l = 0; l < W; l++) matrix[count * i + j] += own->wrenches[a][l] * changes[1 + j][W * body + l];
         }
         matrix[count * i + i] *= 1.0 + SHARED;
     }
@@ -79,7 +78,7 @@ static void stop(const contact_problem *problem, const contact_state *state, int
         double change[W] = {0.0};
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         for (int l = 0; l < W; l++)
-            for (int k = 0; k < count; k++) change[l] -= velocity[k] * changes[columns * (W * b + l) + 1 + k];
+            for (int k = 0; k < count; k++) change[l] -= velocity[k] * changes[1 + k][W * b + l];
         inertia_add_velocity(change, moving + FINGERFEM_MOVING * chain_load_of(problem->map, b));
     }
 }
@@ -88,34 +87,57 @@ static void stop(const contact_problem *problem, const contact_state *state, int
 static int move(const contact_problem *problem, const contact_state *state, double *moving, double *energy)
 {
     int rows[FINGERFEM_MOST_CONTACTS];
-    double changes[CHAIN_WRENCH * (1 + FINGERFEM_MOST_CONTACTS)];
+    double changes[1 + FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH];
     /* accelerations by contact */
     const int count = accelerated(problem, state, rows, changes);
     if (count < 0) return 0;
     for (int b = 0; b < problem->map->count; b++) {
-        double *own = moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), begun[FINGERFEM_MOVING], change[W];
+        double *own = moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), begun[FINGERFEM_MOVING];
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         memcpy(begun, own, sizeof begun);
         inertia_moving(problem->step, begun, state->at.chain.bodies + b, own);
-        for (int i = 0; i < W; i++) change[i] = changes[(1 + count) * (W * b + i)];
-        inertia_subtract_contact(problem->step, change, own);
+        inertia_subtract_contact(problem->step, changes[0] + W * b, own);
     }
     stop(problem, state, count, rows, changes, moving);
     *energy = inertia_energy(problem, moving, state->mass);
     return 1;
 }
 
+/* All bodies at tensions and loads; returns 0 if there is no room. */
+static int place_all(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, chain_rods *map,
+                     chain_state *state)
+{
+    double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
+    tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_set_tensions(chain, held, memory, map);
+    chain_contract(map);
+    return all_bodies(map) && chain_take_loads(map, loads, wrench) && chain_under(map, wrench, state);
+}
+
+int fingerfem_linearise(const fingerfem_chain *chain, const fingerfem_inertia *inertia, const double *tensions, double *memory, double *mass,
+                        double *compliance)
+{
+    const double none[FINGERFEM_MOST_LOADS] = {0.0};
+    const contact_step step = {.inertia = inertia};
+    chain_rods map;
+    contact_state state;
+    const contact_problem problem = {.map = &map, .step = &step};
+    if (!place_all(chain, tensions, none, memory, &map, &state.at.chain)) return 0;
+    const int size = chain_size(&map);
+    inertia_mass(&problem, &state.at.chain, state.mass);
+    for (int i = 0; i < size; i++) {
+        memcpy(mass + size * i, state.mass[i], (size_t)size * sizeof *mass);
+        memcpy(compliance + size * i, state.at.chain.bodies[i / W].motion[i % W], (size_t)size * sizeof *compliance);
+    }
+    return 1;
+}
+
 int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, int branches, double *memory,
                       double *moving, double *relaxing)
 {
-    const fingerfem_segment *first = chain->segments[0];
-    double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
     chain_rods map;
     chain_state state;
-    tensions_all_clamped(first, tensions, held);
-    chain_set_tensions(chain, held, memory, &map);
-    chain_contract(&map);
-    if (!all_bodies(&map) || !chain_take_loads(&map, loads, wrench) || !chain_under(&map, wrench, &state)) return 0;
+    if (!place_all(chain, tensions, loads, memory, &map, &state)) return 0;
     for (int b = 0; b < map.count; b++) inertia_at_rest(state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
     if (branches) relaxation_at_rest(&map, branches, tensions, relaxing);
     return 1;
@@ -129,7 +151,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     fingerfem_chain chain = *touching->chain;
     const fingerfem_touching touched = {&chain, touching->count, touching->objects};
     const int t = chain.tensions;
-    contact_step step = {.inertia = inertia, .begun = moving, .length = length};
+    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .rubber = inside[1]};
     double held[TENSIONS_MOST], seen[TENSIONS_MOST];
     relaxation_step relaxation;
     chain_rods map;
@@ -157,6 +179,8 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
+    inside[1] = 0;
+    for (int k = 0; k < state.at.contacts.count; k++) inside[1] |= state.forces[k] > 0.0 && placed_slice_of(&state.at, k);
     /* where the step ends, and how bodies move there */
     *energy = 0.0;
     for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;

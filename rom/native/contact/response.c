@@ -4,8 +4,6 @@
 #include "slices.h"
 #include "../linear_algebra/small.h"
 
-#define INLINE __attribute__((always_inline)) static inline
-
 /* Change of the wrenches of a unit force at contact k with the motions of its bodies: (6 bodies, 6 bodies). */
 static void changes_of(const contact_problem *problem, const contact_state *state, int k, double (*found)[SLICE_INPUTS])
 {
@@ -58,48 +56,44 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
     }
 }
 
-INLINE void product(int size, const chain_matrix a, const chain_matrix b, chain_matrix out)
+/* Factors of 1 - G C. Rows of G have few numbers: those of bodies that contact or mass connects. */
+static int factorise(int size, contact_state *state)
 {
     for (int i = 0; i < size; i++) {
-        for (int j = 0; j < size; j++) out[i][j] = 0.0;
-        for (int k = 0; k < size; k++)
-            for (int j = 0; j < size; j++) out[i][j] += a[i][k] * b[k][j];
-    }
-}
-
-/* S = (1 - G C)^-1 and C S. */
-INLINE int find(int size, contact_state *state)
-{
-    chain_matrix compliance, made;
-    double system[CHAIN_WRENCH * CHAIN_WRENCH], inverse[CHAIN_WRENCH * CHAIN_WRENCH];
-    /* C: motions of all bodies by their wrenches; then G C */
-    for (int i = 0; i < size; i++)
-        memcpy(compliance[i], state->at.chain.bodies[i / W].motion[i % W], (size_t)size * sizeof **compliance);
-    product(size, state->following, compliance, made);
-    /* S: solve (1 - G C) S = 1 */
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) {
-            inverse[size * i + j] = i == j;
-            system[size * i + j] = (i == j) - made[i][j];
+        double *row = state->factors[i];
+        for (int j = 0; j < size; j++) row[j] = i == j;
+        for (int k = 0; k < size; k++) {
+            const double g = state->following[i][k], *motion = state->at.chain.bodies[k / W].motion[k % W];
+            for (int j = 0; j < size && g != 0.0; j++) row[j] -= g * motion[j];
         }
-    if (!small_solve_of(size, system, size, inverse)) return 0;
-    for (int i = 0; i < size; i++) memcpy(state->soft[i], inverse + size * i, (size_t)size * sizeof *inverse);
-    product(size, compliance, state->soft, state->yielding);
-    return 1;
+    }
+    return small_factorise(size, CHAIN_WRENCH, state->factors[0], state->exchanged);
 }
 
 int response_find(const contact_problem *problem, contact_state *state)
 {
     follow(problem, state);
     if (problem->step) inertia_follow(problem, &state->at.chain, state->mass, state->following);
-    return contact_size(problem) == W ? find(W, state) : find(contact_size(problem), state); /* the loops of one plate are unrolled */
+    return factorise(contact_size(problem), state);
 }
 
-void response_product(int size, const chain_matrix m, const double *vector, double *out)
+void response_soften(const contact_problem *problem, const contact_state *state, const double *wrench, double *out)
 {
+    const int size = contact_size(problem);
+    memcpy(out, wrench, (size_t)size * sizeof *out);
+    small_substitute(size, CHAIN_WRENCH, state->factors[0], state->exchanged, out);
+}
+
+void response_move(const contact_problem *problem, const contact_state *state, const double *wrench, double *out)
+{
+    const int size = contact_size(problem);
+    double soft[CHAIN_WRENCH];
+    response_soften(problem, state, wrench, soft);
     for (int i = 0; i < size; i++) {
-        out[i] = 0.0;
-        for (int j = 0; j < size; j++) out[i] += m[i][j] * vector[j];
+        const double *row = state->at.chain.bodies[i / W].motion[i % W];
+        double sum = 0.0;
+        for (int j = 0; j < size; j++) sum += row[j] * soft[j];
+        out[i] = sum;
     }
 }
 
@@ -178,10 +172,13 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
     const int count = pressing(problem, state, rows, columns);
     /* wrenches at fixed forces change by G drift, or by G_only drift, and as plates bend */
     if (only >= 0) follow_one(problem, state, only, drift, turned);
-    else response_product(w, state->following, drift, turned);
+    for (int i = 0; i < w && only < 0; i++) {
+        turned[i] = 0.0;
+        for (int j = 0; j < w; j++) turned[i] += state->following[i][j] * drift[j];
+    }
     for (int k = 0; k < count && bends; k++) bend(problem, state, rows[k], bends + 3 * rows[k], turned);
     /* motion of all bodies at fixed forces: C S (G drift + bends), plus the drift if the bodies themselves drift */
-    response_product(w, state->yielding, turned, motion);
+    response_move(problem, state, turned, motion);
     for (int i = 0; i < w && only < 0; i++) motion[i] += drift[i];
     /* forces that keep contacts closed: (W^T C S W + c) df = -W^T motion - n . bend; motion includes the drift */
     for (int k = 0; k < count; k++) {
@@ -192,7 +189,7 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
     if (!response_forces(problem, &state->at, count, rows, columns, forces)) return 0;
     /* change of all wrenches: dw = S (G drift + bends + W df) */
     for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
-    response_product(w, state->soft, turned, wrench_change);
+    response_soften(problem, state, turned, wrench_change);
     if (problem->touching->count == 1) memcpy(by_object[0], wrench_change, (size_t)w * sizeof *wrench_change);
     else follow_each(problem, state, only, drift, bends, count, rows, forces, wrench_change, by_object);
     return 1;
@@ -206,7 +203,12 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     double a[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS];
     const int count = pressing(problem, state, rows, columns);
     /* C S without the ground, which does not move */
-    for (int i = 0; i < w; i++) memcpy(yielding + w * i, state->yielding[ground + i] + ground, (size_t)w * sizeof *yielding);
+    for (int j = 0; j < w; j++) {
+        double unit[CHAIN_WRENCH] = {0.0}, motion[CHAIN_WRENCH];
+        unit[ground + j] = 1.0;
+        response_move(problem, state, unit, motion);
+        for (int i = 0; i < w; i++) yielding[w * i + j] = motion[ground + i];
+    }
     /* A = W^T C S W + c over the pressing contacts */
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)

@@ -3,16 +3,22 @@
 #define FINGERFEM_RESPONSE_H
 #include "contact.h"
 
+/* G by the state's forces, and the factors of 1 - G C; returns 0 if that is singular. */
+int response_find(const contact_problem *problem, contact_state *state);
+
+/* S times wrenches on all bodies, and C S times them: the motion of all bodies. */
+void response_soften(const contact_problem *problem, const contact_state *state, const double *wrench, double *out);
+void response_move(const contact_problem *problem, const contact_state *state, const double *wrench, double *out);
+
+/* Add what a force at contact k puts on all bodies. */
+void response_press(const placed *at, int k, double force, double *wrench);
+
 /* C S W_k: the motion of all bodies with a unit force at contact k, or the share of it that the balance sees. */
 static inline void response_yield(const contact_problem *problem, const contact_state *state, int k, double *out)
 {
-    const contact_arms *arms = state->at.arms + k;
-    const int size = contact_size(problem);
-    for (int i = 0; i < size; i++) {
-        out[i] = 0.0;
-        for (int a = 0; a < arms->count; a++)
-            for (int j = 0; j < W; j++) out[i] += problem->share * state->yielding[i][W * arms->bodies[a] + j] * arms->wrenches[a][j];
-    }
+    double wrench[CHAIN_WRENCH] = {0.0};
+    response_press(&state->at, k, problem->share, wrench);
+    response_move(problem, state, wrench, out);
 }
 
 /* W_k . xi: how much the gap of contact k grows with a motion xi of all bodies. */
@@ -24,12 +30,6 @@ static inline double response_opening(const placed *at, int k, const double *mot
         for (int i = 0; i < W; i++) sum += motion[W * arms->bodies[a] + i] * arms->wrenches[a][i];
     return sum;
 }
-
-/* G by the state's forces, S and C S; returns 0 if there are none. */
-int response_find(const contact_problem *problem, contact_state *state);
-
-/* A matrix times a vector, of all wrenches. */
-void response_product(int size, const chain_matrix m, const double *vector, double *out);
 
 /* Forces, (count), at some contacts, by which their gaps open as much as `wanted`, in place: solve
  * (W^T C S W + c) f = wanted, c the local compliances. Returns 0 if that is singular. */
@@ -49,9 +49,6 @@ void response_indent(const contact_problem *problem, contact_state *state);
 
 /* The indentation of contact k by all forces [m]. */
 double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k);
-
-/* Add what a force at contact k puts on all bodies. */
-void response_press(const placed *at, int k, double force, double *wrench);
 
 /* How wrenches and bodies move with a tension, or with an object: drift is the motion at fixed wrenches, of the bodies, or
  * relative to the object `only`, which no others see; it is negative for all. Unless it is NULL, contacts' points of the plates

@@ -186,12 +186,14 @@ static void report_touch(const contact_problem *problem, int j, const touched_po
     }
 }
 
-/* No contact presses: no contacts, and S, G and C are zero. */
+/* No contact presses: no contacts, S = 1, and G and C are zero. */
 static void leave_free(const contact_problem *problem, contact_state *state)
 {
     state->at.contacts.count = 0;
     for (int i = 0; i < contact_size(problem); i++) {
-        memset(state->soft[i], 0, sizeof state->soft[i]);
+        memset(state->factors[i], 0, sizeof state->factors[i]);
+        state->factors[i][i] = 1.0;
+        state->exchanged[i] = i;
         memset(state->following[i], 0, sizeof state->following[i]);
         memset(state->at.chain.bodies[i / W].motion[i % W], 0, (size_t)contact_size(problem) * sizeof(double));
     }

@@ -9,6 +9,51 @@ int small_solve(int size, double *matrix, int columns, double *right)
 
 #include <string.h>
 
+int small_factorise(int size, int stride, double *matrix, int *exchanged)
+{
+    for (int k = 0; k < size; k++) {
+        double *own = matrix + stride * k;
+        int pivot = k;
+        for (int i = k + 1; i < size; i++)
+            if (fabs(matrix[stride * i + k]) > fabs(matrix[stride * pivot + k])) pivot = i;
+        if (!(fabs(matrix[stride * pivot + k]) > 0.0)) return 0;
+        exchanged[k] = pivot;
+        for (int j = 0; pivot != k && j < size; j++) {
+            const double swap = own[j];
+            own[j] = matrix[stride * pivot + j];
+            matrix[stride * pivot + j] = swap;
+        }
+        /* L below the diagonal, U above it, and the inverse of its diagonal */
+        own[k] = 1.0 / own[k];
+        for (int i = k + 1; i < size; i++) {
+            double *row = matrix + stride * i;
+            const double factor = row[k] *= own[k];
+            for (int j = k + 1; j < size; j++) row[j] -= factor * own[j];
+        }
+    }
+    return 1;
+}
+
+void small_substitute(int size, int stride, const double *factors, const int *exchanged, double *right)
+{
+    /* exchanges of rows, then L y = right, then U x = y */
+    for (int k = 0; k < size; k++) {
+        const double swap = right[k];
+        right[k] = right[exchanged[k]];
+        right[exchanged[k]] = swap;
+    }
+    for (int i = 1; i < size; i++) {
+        double sum = 0.0;
+        for (int j = 0; j < i; j++) sum += factors[stride * i + j] * right[j];
+        right[i] -= sum;
+    }
+    for (int i = size - 1; i >= 0; i--) {
+        double sum = 0.0;
+        for (int j = i + 1; j < size; j++) sum += factors[stride * i + j] * right[j];
+        right[i] = (right[i] - sum) * factors[stride * i + i];
+    }
+}
+
 #define SWEEPS 20      /* most sweeps of Jacobi's method, each of which squares what is off the diagonal */
 #define DIAGONAL 1e-14 /* converged: largest number off the diagonal over the largest on it [-] */
 

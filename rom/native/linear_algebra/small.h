@@ -36,6 +36,11 @@ __attribute__((always_inline)) static inline int small_solve_of(int size, double
 }
 int small_solve(int size, double *matrix, int columns, double *right);
 
+/* The same in two steps: factors L U of a matrix, (size, size) with rows of `stride` numbers, in its place, and the rows that were exchanged,
+ * (size), or 0 if it is singular; then the solution for a right-hand side, (size), in place. */
+int small_factorise(int size, int stride, double *matrix, int *exchanged);
+void small_substitute(int size, int stride, const double *factors, const int *exchanged, double *right);
+
 /* Number of negative eigenvalues of a matrix's symmetric part, by the signs of its pivots (Sylvester); it is spoilt. */
 int small_negative(int size, double *matrix);
 

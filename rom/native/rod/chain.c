@@ -5,6 +5,8 @@
  * space. */
 #include "chain_weight.h"
 
+#define INLINE __attribute__((always_inline)) static inline
+
 /* Whether a chain weighs. */
 static int weighs(const fingerfem_chain *chain)
 {
@@ -149,18 +151,22 @@ void chain_leave_loads(const chain_rods *map, const double *wrench, double *load
         if (map->bodies[b].segment != CHAIN_GROUND) memcpy(loads + W * chain_load_of(map, b), wrench + W * b, W * sizeof *loads);
 }
 
-static void cross(const double *a, const double *b, double *out)
+/* Inlined, so that loops over many inputs are vectorised. */
+INLINE void cross(const double *a, const double *b, double *out)
 {
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-static void turned(const double *rotation, const double *v, double *out)
+INLINE void turned(const double *rotation, const double *v, double *out)
 {
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) out[i] = rotation[3 * i] * v[0] + rotation[3 * i + 1] * v[1] + rotation[3 * i + 2] * v[2];
 }
 
-static void turned_back(const double *rotation, const double *v, double *out)
+INLINE void turned_back(const double *rotation, const double *v, double *out)
 {
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) out[i] = rotation[i] * v[0] + rotation[3 + i] * v[1] + rotation[6 + i] * v[2];
 }
 
@@ -190,8 +196,7 @@ static int first_moving(const chain_rods *map) { return map->bodies[0].segment =
  *
  * where da = A dc and b = A dtheta are by its relative motion, (6). Change, (6), is df, dm on entry; force, moment
  * are A f, A m. */
-static inline void pass_change(const chain_body *body, const double *force, const double *moment, const double *motion,
-                               double *change)
+INLINE void pass_change(const chain_body *body, const double *force, const double *moment, const double *motion, double *change)
 {
     double moved[3], spun[3], by_force[3], by_moment[3], one[3], two[3], three[3];
     /* relative motion and change of the wrench, in the frame of the body before */
@@ -201,11 +206,13 @@ static inline void pass_change(const chain_body *body, const double *force, cons
     turned(body->relative, change + 3, by_moment);
     /* df' = A df + b x f' */
     cross(spun, force, one);
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) by_force[i] += one[i];
     /* dm' = A dm + b x A m + da x f' + a x df' */
     cross(spun, moment, one);
     cross(moved, force, two);
     cross(body->arm, by_force, three);
+#pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         change[i] = by_force[i];
         change[3 + i] = by_moment[i] + one[i] + two[i] + three[i];
@@ -232,11 +239,13 @@ static void pass_on(const chain_body *body, int first, int last, double *transmi
     /* derivatives, input by input */
     for (int c = first; c < last; c++) {
         double motion[W], column[W];
+#pragma GCC unroll 6
         for (int i = 0; i < W; i++) {
             motion[i] = body->motion[i][c];
             column[i] = by[i][c];
         }
         pass_change(body, force, moment, motion, column);
+#pragma GCC unroll 6
         for (int i = 0; i < W; i++) by[i][c] = column[i];
     }
     /* f' = A f, m' = A m + a x f' */
@@ -298,11 +307,14 @@ void chain_compose(const chain_rods *map, int first, int last, chain_state *stat
         /* motion: dc_b += A^T (dc + t x a), dtheta_b += A^T t, with dc, t of the body before */
         for (int c = first; c < last; c++) {
             double t[3];
+#pragma GCC unroll 3
             for (int i = 0; i < 3; i++) t[i] = before->motion[3 + i][c];
             cross(t, body->arm, moved);
+#pragma GCC unroll 3
             for (int i = 0; i < 3; i++) moved[i] += before->motion[i][c];
             turned_back(body->relative, moved, carried);
             turned_back(body->relative, t, spun);
+#pragma GCC unroll 3
             for (int i = 0; i < 3; i++) {
                 body->motion[i][c] += carried[i];
                 body->motion[3 + i][c] += spun[i];
@@ -329,10 +341,11 @@ void chain_without_weight(const chain_rods *map, const double *wrench, chain_sta
         /* its part of the rod under that wrench: relative pose and compliance Y_w */
         rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, transmitted, &body->end);
         chain_locate(map, b, body);
-        /* relative motion by all wrenches, Y_w dw; of a single body Y_w itself */
-        if (map->count > 1) relative_motion(0, w, by, body);
+        /* relative motion, Y_w dw, by the wrenches on this body and those beyond; of a single body Y_w itself */
+        for (int i = 0; i < W; i++) memset(body->motion[i], 0, (size_t)(W * b) * sizeof(double));
+        if (map->count > 1) relative_motion(W * b, w, by, body);
         else for (int i = 0; i < W; i++) memcpy(body->motion[i], body->end.by_wrench[i], sizeof body->end.by_wrench[i]);
-        if (b > begin) pass_on(body, 0, w, transmitted, by);
+        if (b > begin) pass_on(body, W * b, w, transmitted, by);
     }
     /* from base to tip: poses in space, motions by wrenches */
     chain_compose(map, 0, w, state);

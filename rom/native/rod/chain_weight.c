@@ -22,7 +22,8 @@
 #define MARCHES 30    /* most marches of one solve */
 #define LONGEST 0.5   /* longest step of g, over its size [-] */
 #define SHORTEST 1e-2 /* least share of a step that is tried [-] */
-#define STAGES 8      /* where no equilibrium is found at once, weight grows in so many stages */
+#define STAGE 0.125   /* where no equilibrium is found at once, weight grows: first by this share, and as it is found by more or less [-] */
+#define LEAST 1e-3    /* least share that it grows by [-] */
 
 static double size_of(const double *v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -108,6 +109,30 @@ static void predict(const chain_rods *map, const double *wrench)
         for (int i = 0; i < 3; i++) weight->pull[i] += weight->by_wrench[i][c] * (wrench[c] - weight->wrench[c]);
 }
 
+/* Let the weight grow from the pose without it. Its direction as the tip sees it, pull / share, is predicted on the line through the
+ * last two; a stage that finds nothing is halved. */
+static int grow(const chain_rods *map, const double *wrench, chain_state *state)
+{
+    double *pull = map->weight->pull, last[3], slope[3] = {0.0}, share = 0.0, stage = STAGE;
+    chain_without_weight(map, wrench, state);
+    start_from(map, state);
+    memcpy(last, pull, sizeof last);
+    while (share < 1.0) {
+        const double next = fmin(share + stage, 1.0);
+        for (int i = 0; i < 3; i++) pull[i] = last[i] + slope[i] * (next - share);
+        if (newton(map, wrench, next, state)) {
+            for (int i = 0; i < 3; i++) {
+                const double whole = pull[i] / next;
+                slope[i] = (whole - last[i]) / (next - share);
+                last[i] = whole;
+            }
+            share = next;
+            stage *= 2.0;
+        } else if ((stage *= 0.5) < LEAST) return 0;
+    }
+    return 1;
+}
+
 /* Find the acceleration: from the last one; or from the pose without weight, at once, or as the weight grows. */
 static int solve(const chain_rods *map, const double *wrench, chain_state *state)
 {
@@ -118,11 +143,7 @@ static int solve(const chain_rods *map, const double *wrench, chain_state *state
     chain_without_weight(map, wrench, state);
     start_from(map, state);
     if (newton(map, wrench, 1.0, state)) return 1;
-    chain_without_weight(map, wrench, state);
-    start_from(map, state);
-    for (int k = 1; k <= STAGES; k++)
-        if (!newton(map, wrench, (double)k / STAGES, state)) return 0;
-    return 1;
+    return grow(map, wrench, state);
 }
 
 /* T, and whether the finger rests there; returns 0 if it is singular. */

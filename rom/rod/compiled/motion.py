@@ -61,7 +61,7 @@ class Stepper:
         )
         self._memory, self._state = memory_of(chain), np.zeros(bodies * (MOVING + 6) + relaxing)
         self._point, self._base = np.zeros(chain.tensions + touching.count), np.zeros(BASE)
-        self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(1, np.int32)
+        self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(2, np.int32)
         ends = bodies * MOVING, bodies * (MOVING + 6)
         moving, loads, relaxing_of = map(pointer, np.split(self._state, ends))
         results = pointer(self._forces), pointer(self._energy), pointer(self._inside, "int32_t[]"), LIBRARY.ffi.NULL
@@ -80,6 +80,14 @@ class Stepper:
         arguments = self._given, pressed, self.branches, self._memory, moving, relaxing
         known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
         return self._state.copy() if known else None
+
+    def linearised(self, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Mass matrix, and motions of all bodies by wrenches on them, at tensions, shapes (6 bodies, 6 bodies)."""
+        found = np.empty((2, 6 * self._bodies, 6 * self._bodies))
+        self._point[: len(tensions)] = tensions
+        chain, results = self._touching.chain, [pointer(one) for one in found]
+        LIBRARY.functions.fingerfem_linearise(chain, self._with_mass, self._given, self._memory, *results)
+        return found[0], found[1]
 
     def step(
         self,

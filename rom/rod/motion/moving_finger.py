@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import eigh
 
 from rom.brief import brief
 from rom.dataset.actuators import refuse_chambers
@@ -116,6 +117,8 @@ class MovingFinger:
     def _compile(self) -> None:
         branches = branches_of(self.model.rod)
         self._stepper = Stepper(self.model.touching, self.lumps._asdict(), self.radius, branches)
+        self._rest, self._tip = self.model.rod.rest, len(self.model.rod.scene["geometry"]["segments"]) - 1
+        self._ranges = np.array([one.distances for one in self.model.objects]).tolist()
         self._gravity = np.array(list(self.model.touching.chain.gravity))
 
     def __getstate__(self) -> dict[str, Any]:
@@ -128,7 +131,7 @@ class MovingFinger:
 
     def _checked(self, parameters: ArrayLike) -> np.ndarray:
         point = self.model.checked(parameters, most=1)
-        if np.isnan(point).any() or np.isinf(point[: self._t]).any():
+        if not (point > -np.inf).all() or np.isinf(point[: self._t]).any():
             raise ModelError(f"parameters must be numbers {', '.join(self.model.names)}, got {point.tolist()}")
         return point
 
@@ -172,11 +175,24 @@ class MovingFinger:
         self._point = goal
         return self._report(found._replace(inside=inside) if found else None)
 
+    def frequencies(self, tensions: ArrayLike, count: int = 3) -> np.ndarray:
+        """Natural frequencies about the relaxed equilibrium at tensions, without objects, shape (count,) [Hz].
+
+        Raises:
+            ModelError: the wrong number of tensions, or no stable equilibrium.
+        """
+        point = self._checked([*np.ravel(tensions), *[np.inf] * len(self._ranges)])
+        mass, compliance = self._stepper.linearised(point[: self._t])
+        try:  # C M f = f / w^2
+            squares = eigh(mass, (compliance + compliance.T) / 2, type=3, eigvals_only=True)
+        except np.linalg.LinAlgError:
+            raise ModelError(f"tensions must have a stable equilibrium, got {np.ravel(tensions).tolist()}") from None
+        return np.asarray(1 / (2 * np.pi * np.sqrt(squares[::-1][:count])))
+
     def _objects_in_range(self, goal: np.ndarray) -> bool:
         """Whether objects are within their distances, or away."""
-        lower, upper = (end[self._t :] for end in self.model.limits)
-        d = goal[self._t :]
-        return bool(((d == np.inf) | ((d >= lower) & (d <= upper))).all())
+        given = zip(goal[self._t :].tolist(), self._ranges, strict=True)
+        return all(d == np.inf or nearest <= d <= farthest for d, (nearest, farthest) in given)
 
     def _parameters_at(self, goal: np.ndarray, share: float) -> np.ndarray:
         """Parameters at a share of the step [-]; an object that comes from away, or goes there, is there at once."""
@@ -194,8 +210,7 @@ class MovingFinger:
         return found
 
     def _report(self, found: Stepped | None) -> MotionState:
-        last = self.model.rod.scene["geometry"]["segments"]
-        tip = self._stepper.moving(self._state)[len(last) - 1]
+        tip = self._stepper.moving(self._state)[self._tip]
         if found is None:
             nothing = np.full(3, np.nan)
             return MotionState(
@@ -203,13 +218,13 @@ class MovingFinger:
                 time=self.time,
                 tip=nothing,
                 velocity=nothing,
-                contact_forces=np.full(len(self.model.objects), np.nan),
+                contact_forces=np.full(len(self._ranges), np.nan),
                 kinetic_energy=np.nan,
             )
         return MotionState(
             status="converged" if found.inside else "out_of_domain",
             time=self.time,
-            tip=tip[:3] - self.model.rod.rest,
+            tip=tip[:3] - self._rest,
             velocity=tip[12:15],
             contact_forces=found.forces,
             kinetic_energy=found.energy,

@@ -240,4 +240,7 @@ def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.nda
                 )
             return k
     known = ", ".join(str([round(size * part, 9) for part in other["offset"]]) for other in trained)
-    raise ModelError(f"{name}.offset must be that of a tendon of the elements, one of {known} m, got {one['offset']}")
+    raise ModelError(
+        f"{name}.offset must be that of a tendon of the elements, one of {known} m at the clamp, got {one['offset']}; "
+        "train elements with this one"
+    )

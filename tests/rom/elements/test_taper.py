@@ -150,12 +150,12 @@ def timoshenko(piece: Piece) -> np.ndarray:
 
 
 def linear_law(length: float, size: float = 1.0) -> ElementLaw:
-    """The prismatic element of that frustum: a law of a tension and the wrench, on a box that is not even about 0."""
+    """The prismatic element of that frustum: a law of a tension and the wrench."""
     gradient = np.zeros((6, 7))
     gradient[np.ix_([1, 2, 4, 5], [0, 2, 3, 5, 6])] = timoshenko(Piece(INTERIOR, length, (size, size)))
-    lower, upper = np.full(7, -1.0), np.full(7, 2.0)
+    lower, upper = np.full(7, -2.0), np.full(7, 2.0)
     powers = np.vstack([np.zeros(7, int), np.eye(7, dtype=int)])
-    coefficients = np.vstack([gradient @ (lower + upper) / 2, (gradient * (upper - lower) / 2).T])
+    coefficients = np.vstack([np.zeros(6), (gradient * upper).T])
     law = Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)
     tensions = np.array([[0.0], [2.0]])
     return ElementLaw(tension_map=np.eye(1), tensions=tensions, polynomial=law, lengths=(length, length))

@@ -8,6 +8,7 @@ from scipy.optimize import root
 
 from control import Finger
 from rom import friction_history
+from rom.bundled import file_of
 from rom.files.checked_file import ModelError
 from rom.rod.compiled import reports
 from rom.rod.objects.shapes import Cylinder, facing_plane
@@ -267,6 +268,20 @@ def test_a_column_that_buckles_under_its_weight_is_no_answer(bundled):
     most = 7.84 * segment.young_modulus * side**2 / 12 / (RHO * 0.05**3)
     inside = [model.with_gravity((-1, 0, 0), a).evaluate([0.0, 0.0, np.inf]).inside for a in (0.4 * most, 0.99 * most)]
     assert inside == [True, False]
+
+
+def test_a_long_soft_finger_is_found_where_weight_straightens_it():
+    """Twenty diameters long; from the pose without weight no step of Newton's method leads to that with all of it."""
+    own = Rod.load(file_of("round"))
+    soft = {"C1": 0.5, "C2": 0.5, "C3": 0.5, "D1": 2.0}
+    material = own.scene["material"] | {name: own.scene["material"][name] * share for name, share in soft.items()}
+    tendons = [one | {"tension": [0.0, 5.0]} for one in own.scene["tendons"]]
+    geometry = own.scene["geometry"] | {"segments": [0.4]}
+    long = own.assembled(own.scene | {"geometry": geometry, "material": material, "tendons": tendons})
+    placed = [long.with_gravity((1, 0, 0), a).place([1.25, 0, 0, 0]) for a in (2.0, 4.0, 6.0, 8.0)]
+    aside = np.array([one.centres[0, 1] for one in placed])
+    assert all(one.inside for one in placed)
+    assert (np.diff(aside) < 0).all() and (np.diff(aside, 2) > 0).all() and aside[-1] < aside[0] / 2
 
 
 REFUSED = {

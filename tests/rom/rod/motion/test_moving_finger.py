@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh
-from scipy.spatial.transform import Rotation
 
 import rom
 from rom.files.checked_file import ModelError
-from rom.rod.compiled.motion import Stepper
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.motion.moving_finger import MovingFinger
 
@@ -23,42 +20,8 @@ def moving(finger, point=(0.0, 0.0, AWAY), **more) -> MovingFinger:
     return MovingFinger(finger, point, **({"density": DENSITY} | more))
 
 
-def compliance(one: MovingFinger) -> np.ndarray:
-    """Motions of all bodies by wrenches on them, by central differences."""
-    stepper, loads = Stepper(one.model.touching, one.lumps._asdict(), 1.0), np.zeros(6 * len(one.lumps.masses))
-
-    def placed(pressed: np.ndarray) -> np.ndarray:
-        return stepper.moving(stepper.at_rest(np.zeros(2), pressed))
-
-    begun = placed(loads)
-    columns = []
-    for k in range(len(loads)):
-        size = 1e-4 if k % 6 < 3 else 1e-6  # [N], [N m]
-        ends = []
-        for sign in (size, -size):
-            there = placed(loads + sign * np.eye(len(loads))[k])
-            turns = Rotation.from_matrix(there[:, 3:12].reshape(-1, 3, 3)).as_rotvec()
-            ends.append(np.hstack([there[:, :3] - begun[:, :3], turns]).ravel())
-        columns.append((ends[0] - ends[1]) / (2 * size))
-    return np.array(columns).T
-
-
-def mass(one: MovingFinger) -> np.ndarray:
-    """Of a straight finger of one segment."""
-    n = len(one.lumps.masses)
-    found = np.zeros((6 * n + 6,) * 2)
-    for b, (own, s, inertia, element) in enumerate(zip(*one.lumps, strict=True)):
-        arm = np.cross(np.eye(3), s)  # rows e x s, so that arm v = s x v
-        found[6 * b : 6 * b + 6, 6 * b : 6 * b + 6] += np.block([[own * np.eye(3), arm.T], [arm, inertia]])
-        found[6 * b : 6 * b + 12, 6 * b : 6 * b + 12] += element
-    return found[: 6 * n, : 6 * n]  # the clamp does not move
-
-
 def frequencies(finger, parts: int) -> np.ndarray:
-    one = moving(finger, parts=parts)
-    known = compliance(one)
-    values = eigh(np.linalg.inv((known + known.T) / 2), mass(one), eigvals_only=True)
-    return np.sqrt(values) / (2 * np.pi)
+    return moving(finger, parts=parts).frequencies([0.0, 0.0], 7)
 
 
 def test_all_mass_but_that_at_the_clamp_is_at_the_sections(finger):
@@ -77,6 +40,12 @@ def test_frequencies_are_those_of_the_full_order_model(finger):
     # docker/run python3 -m fingerfem modes, 16 x 5 cells of order 2 [Hz]: bending thrice, each once in every plane
     assert frequencies(finger, 1)[[0, 3, 6]] == pytest.approx([49.46, 286.1, 703.2], rel=0.017)
     assert frequencies(finger, 1)[:2] == pytest.approx([49.46, 49.46], rel=0.002)
+
+
+def test_frequencies_need_numbers_of_all_tendons(finger):
+    with pytest.raises(ModelError, match="in that order"):
+        moving(finger).frequencies([1.0])
+    assert (np.diff(moving(finger).frequencies([60.0, 40.0], 6)) > 0).all()
 
 
 def test_a_small_vibration_has_the_frequency_of_compliance_and_mass(finger):

@@ -1,0 +1,102 @@
+"""A moving finger linearised by its own steps: from tensions to the tip, sampled at a controller's period.
+
+The input u is the position across the finger at which the tip would rest; the output is where it is, low-pass
+filtered: feedback stays away from high modes. The pulse response comes from `rom.MovingFinger`. The eigensystem
+realisation algorithm (Juang and Pappa, J. Guidance 8, 1985) finds its states.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import butter, lfilter
+
+from rom.brief import brief
+from rom.rod.motion.moving_finger import MovingFinger
+from rom.rod.touched_rod import TouchedRod
+
+ORDER = 12  # most states: two oscillations, the filter's and relaxation in two directions
+RANK = 1e-9  # of singular values over the largest, below which there are no states [-]
+RESPONSES = 256  # samples of the response
+STEP = 1e-3  # of the tip, over the length of the finger [-]
+CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
+SUBSTEP = 1e-3  # longest step of the finger in time [s]
+STILL = 1e-3  # of poles whose angle a period is smaller, as of a relaxation, none is an oscillation [rad]
+LOW = 0.25  # frequency at which damping and inertia are measured, over the lowest natural one [-]
+
+
+@brief
+class Linearised(NamedTuple):
+    """x' = A x + B u, y = C x + D u, from one period to the next; u changes linearly in a period.
+
+    Attributes:
+        a, b, c, d: shapes (n, n), (n, 2), (2, n), (2, 2).
+        filter: of the second order (Butterworth): numerator and denominator, shape (2, 3) [-].
+        damping, inertia: C_eff / K_eff and M_eff / K_eff: u = y + damping y' + inertia y'' of a tip that moves slowly,
+            shapes (2, 2) [s, s^2].
+    """
+
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray
+    d: np.ndarray
+    filter: np.ndarray
+    damping: np.ndarray
+    inertia: np.ndarray
+
+
+def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, period: float) -> Linearised:
+    """The finger about its rest at tensions [N], shape (t,), away from objects.
+
+    Raises:
+        ModelError: it cannot rest there, see `rom.MovingFinger`.
+    """
+    away = np.full(len(model.objects), np.inf)
+    rest = np.append(tensions, away)
+    rows = model.jacobian(rest)[1:3, : len(tensions)]
+    substeps = int(np.ceil(period / SUBSTEP - 1e-9))
+    size = STEP * float(model.rod.rest[0])
+    pulses = []
+    for change in size * np.linalg.pinv(rows).T:
+        finger = MovingFinger(model, rest, density)
+        steps = np.array(
+            [
+                _tip(finger, tensions + min(k / substeps, 1.0) * change, away, period / substeps)
+                for k in range(1, 1 + substeps * RESPONSES)
+            ]
+        )[substeps - 1 :: substeps]
+        begun = np.asarray(model.evaluate(rest).tip)[1:]
+        pulses.append(np.diff(steps - begun, axis=0, prepend=0.0) / size)
+    return realised(np.stack(pulses, axis=-1), period)
+
+
+def realised(pulses: np.ndarray, period: float) -> Linearised:
+    """The system of a pulse response of u, shape (samples, 2, 2), sampled at a period [s]."""
+    a, b, c, d = _states(pulses)
+    angles = np.abs(np.angle(np.linalg.eigvals(a)))
+    lowest = float(angles[angles > STILL].min())
+    turn = LOW * lowest
+    slow, still = (
+        np.linalg.inv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d) for one in (turn, 0.0)
+    )
+    damping, inertia = slow.imag * period / turn, (still - slow).real * (period / turn) ** 2
+    low_pass = np.array(butter(2, min(CUT * lowest / np.pi, HIGHEST)))
+    return Linearised(*_states(lfilter(*low_pass, pulses, axis=0)), low_pass, damping, inertia)
+
+
+def _states(pulses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A, B, C and D from the Hankel matrices of a pulse response."""
+    half = len(pulses) // 2 - 1
+    known, shifted = (np.block([[pulses[i + j + k] for j in range(half)] for i in range(half)]) for k in (1, 2))
+    left, values, right = np.linalg.svd(known)
+    order = min(ORDER, int((values > RANK * values[0]).sum()))
+    root = np.sqrt(values[:order])
+    left, right = left[:, :order], right[:order]
+    a = (left.T @ shifted @ right.T) / np.outer(root, root)
+    return a, root[:, None] * right[:, :2], left[:2] * root, pulses[0]
+
+
+def _tip(finger: MovingFinger, tensions: np.ndarray, away: np.ndarray, length: float) -> np.ndarray:
+    """Where the tip is across the finger after a step of time, shape (2,) [m]."""
+    return finger.step(np.append(tensions, away), length).tip[1:]

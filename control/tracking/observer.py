@@ -1,0 +1,64 @@
+"""Gains of feedback from late and noisy tip readings: Kalman's filter along a plan, and an optimal state feedback.
+
+The filter estimates the finger's states x and what acts on it beside the inputs, E w: a disturbance that walks at
+random, and the shares by which the plan's stiffness and inertia are wrong.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+from control.tracking.linearised import Linearised
+from rom.brief import brief
+
+SHARE = 0.1  # standard deviation of stiffness and inertia before any reading, over their values [-]
+
+
+@brief
+class Feedback(NamedTuple):
+    """x' = A x + B v, y = C x + D v, v = u + E w; u = -gain x - E w.
+
+    Attributes:
+        effects: E at every row, by the disturbance along y and z, and the shares of stiffness and inertia, shape
+            (rows, 2, 4).
+        observer: corrections of x and w by the error of a predicted reading, shape (rows, n + 4, 2).
+        gain: shape (2, n).
+    """
+
+    effects: np.ndarray
+    observer: np.ndarray
+    gain: np.ndarray
+
+
+def feedback(system: Linearised, shares: np.ndarray, noise: float, drift: float, effort: float) -> Feedback:
+    """The least mean squares of tip and effort.
+
+    Args:
+        system: of the finger.
+        shares: motions of the tip by a share of stiffness, and of inertia, at every row, shape (rows, 2, 2) [m].
+        noise: standard deviation of a reading [m].
+        drift: of the disturbance's change in a period [m].
+        effort: weight of u^2 over that of y^2 [-].
+    """
+    a, b, c, d = system[:4]
+    n = len(a)
+    effects = np.concatenate([np.broadcast_to(np.eye(2), shares.shape), shares], axis=2)
+    walk, spread = np.zeros((n + 4, n + 4)), np.zeros((n + 4, n + 4))
+    walk[:n, :n], walk[n : n + 2, n : n + 2] = b @ b.T, np.eye(2)
+    walk *= (drift / noise) ** 2
+    spread[n + 2 :, n + 2 :] = (SHARE / noise) ** 2 * np.eye(2)
+    observer, ahead = np.empty((len(effects), n + 4, 2)), np.eye(n + 4)
+    ahead[:n, :n] = a
+    for k, effect in enumerate(effects):
+        reading = np.hstack([c, d @ effect])
+        observer[k] = np.linalg.solve(reading @ spread @ reading.T + np.eye(2), reading @ spread).T
+        ahead[:n, n:] = b @ effect
+        spread = ahead @ (spread - observer[k] @ reading @ spread) @ ahead.T + walk
+        spread = (spread + spread.T) / 2
+    weight, cross = d.T @ d + effort * np.eye(2), c.T @ d
+    cost = solve_discrete_are(a, b, c.T @ c, weight, s=cross)
+    gain = np.linalg.solve(weight + b.T @ cost @ b, b.T @ cost @ a + cross.T)
+    return Feedback(effects, observer, gain)

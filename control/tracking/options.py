@@ -1,0 +1,45 @@
+"""How a path is tracked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingOptions:
+    """How to track.
+
+    Attributes:
+        period: from row to row of the path, and from pull to pull [s].
+        distance: of the object [m]; infinite without one.
+        density: of the rubber [kg/m^3]; that of the scene's [gravity] if left out.
+        noise: standard deviation of the tip's readings [m].
+        drift: standard deviation of the change of the model's error in a second [m/s^0.5].
+        effort: weight of the square of a correction over that of the tip's error [-].
+        correction: largest correction, as a motion of the tip [m].
+        pretension: of several tensions that reach a row, the nearest to this are pulled, over the limits' range [-].
+        feel: a force above this is contact [N].
+        most_force: largest planned contact force [N].
+    """
+
+    period: float = 1e-3
+    distance: float = np.inf
+    density: float | None = None
+    noise: float = 2e-5
+    drift: float = 3e-4
+    effort: float = 3.0
+    correction: float = 3e-3
+    pretension: float = 0.05
+    feel: float = 0.05
+    most_force: float = np.inf
+
+    def __post_init__(self) -> None:
+        for name in ("period", "noise", "drift", "effort", "correction", "feel"):
+            if not 0 < getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be finite and above 0, got {getattr(self, name)}")
+        if not 0 <= self.pretension <= 1:
+            raise ValueError(f"pretension must be from 0 to 1, got {self.pretension}")
+        if not self.most_force > 0:
+            raise ValueError(f"most_force must be above 0 N, got {self.most_force}")

@@ -1,0 +1,73 @@
+"""A PID controller of the tensions, which the tracking controller is compared with: it has one tangent of the model."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from control.motion import Limits
+from control.tracking.options import TrackingOptions
+from control.tracking.plan import resting
+from rom.rod.touched_segment import TouchedSegment
+
+SMOOTHING = 5e-3  # time constant of the derivative [s]
+
+
+class PidController:
+    """The tip's error acts on the tensions through the tangent in the path's middle.
+
+    Attributes:
+        tensions: to be pulled now, shape (t,) [N].
+        row: of the path, that the next pull leads to.
+
+    Args:
+        model: of the finger before one object.
+        path: y and z of the tip plate's centre, one row a period, shape (n, 2) [m].
+        gains: proportional [-], integral [1/s] and derivative [s].
+        options: period and pretension of these.
+        limits: of the tensions and their rate.
+        pulled: tensions by which the tip would rest at every row, shape (n, t) [N], which the PID corrects; those of
+            the first row if left out.
+    """
+
+    def __init__(
+        self,
+        model: TouchedSegment,
+        path: ArrayLike,
+        gains: tuple[float, float, float],
+        options: TrackingOptions,
+        limits: Limits | None = None,
+        pulled: np.ndarray | None = None,
+    ):
+        self.path, self.gains, self.period, t = np.asarray(path, float), gains, options.period, len(model.rod.names)
+        self._change = (limits or Limits()).rate * options.period
+        self._bounds = (limits or Limits()).within(*(end[:t] for end in model.limits))
+        first, middle = (
+            resting(model, goal, options.pretension, self._bounds) for goal in (self.path[0], self.path.mean(axis=0))
+        )
+        rest = np.append(middle, np.full(len(model.objects), np.inf))
+        self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t])
+        self.row, self.tensions = 1, first.copy()
+        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else pulled
+        self._sum, self._rate, self._last = np.zeros(2), np.zeros(2), np.zeros(2)
+
+    @property
+    def done(self) -> bool:
+        """Whether the path has ended."""
+        return self.row + 1 >= len(self.path)
+
+    def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
+        """What to pull next, shape (t,) [N], after a reading of the tip, shape (3,) [m]."""
+        self.row += 1
+        error = self.path[self.row] - np.asarray(tip, float)[1:]
+        proportional, integral, derivative = self.gains
+        share = self.period / (self.period + SMOOTHING)
+        self._rate = self._rate + share * ((error - self._last) / self.period - self._rate) * (self.row > 2)
+        self._last, total = error, self._sum + integral * self.period * error
+        wanted = self._pulled[self.row] + self._pulls @ (proportional * error + total + derivative * self._rate)
+        low = np.maximum(self._bounds[0], self.tensions - self._change)
+        high = np.minimum(self._bounds[1], self.tensions + self._change)
+        self.tensions = np.clip(wanted, low, high)
+        if np.array_equal(self.tensions, wanted) or total @ total <= self._sum @ self._sum:
+            self._sum = total  # it does not wind up
+        return self.tensions

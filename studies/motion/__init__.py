@@ -1,0 +1,1 @@
+"""Motion: rod elements against the full-order model."""

@@ -1,0 +1,192 @@
+"""A moving finger of rod elements against the full-order model, on the mesh that they were trained on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rom import MovingFinger, Rod, TouchedSegment
+from rom.bundled import file_of
+from rom.error_statistics import quantiles
+from rom.rod.objects.shapes import facing_plane
+from studies.parts import Run
+
+DENSITY, SEED = 1070.0, 44  # of the rubber [kg/m^3]
+STATES, LARGEST = 10, (5.0, 3.0, 0.0, 0.0)  # for frequencies: their number, and tensions up to these [N]
+PRONY, SLOW = [[0.2, 0.01], [0.1, 0.3]], [[0.2, 0.5], [0.2, 300.0]]  # branches: modulus [-], time [s]
+DISTANCES, STEP, JUMP = (0.001, 0.06), 3e-3, 1e-4  # of the plane [m]; a step, and one in which loads jump [s]
+SHORT = 5e-4  # step of an impact [s]
+MOTIONS: dict[str, dict[str, Any]] = {
+    "step": {"loads": {"up": [[0.0, 0.0], [0.0, 2.0]]}},
+    "two steps": {"loads": {"up": [[0.0, 0.0], [0.0, 1.5]], "left": [[0.06, 0.0], [0.06, 2.0]]}},
+    "ramps": {"loads": {"up": [[0.0, 0.0], [0.06, 5.0]], "right": [[0.0, 0.0], [0.03, 2.0]]}},
+    "release": {"loads": {"up": [[0.0, 3.0], [0.03, 3.0], [0.03, 0.0]]}},
+    "moving base": {
+        "loads": {"up": 1.0},
+        "base": {
+            "ay": {"amplitude": 3.0, "frequency": 5.0},
+            "wz": [[0.0, 0.0], [0.06, 8.0], [0.15, -6.0], [0.24, 0.0]],
+            "wx": {"amplitude": 6.0, "frequency": 4.0},
+        },
+    },
+}
+TIME = {"end": 0.24, "step": STEP}
+IMPACT = {"time": {"end": 0.12, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]], "d": 0.006}}
+HELD = {"time": {"end": 3600.0, "step": 60.0}, "loads": {"up": [[0.0, 0.0], [0.5, 4.0]], "d": 0.006}}
+FILTER = 1e-3  # mean of the impact's force over this time [s]
+HALVINGS, FINE = (5e-4, 2.5e-4, 1.25e-4), 1.5625e-5  # steps of the order of convergence, and of its reference [s]
+
+
+def table(prony: list[list[float]] | None = None, before_plane: bool = False) -> dict[str, Any]:
+    """The full-order scene of the bundled square finger without weight."""
+    known = Rod.load(file_of("square")).elements.scene
+    found = {name: one for name, one in known.items() if name not in ("load", "sampling", "coarse") and one}
+    found["density"] = {"rubber": DENSITY}
+    if prony:
+        found["material"] = found["material"] | {"prony": prony}
+    if before_plane:
+        found["obstacle"] = {"distance": list(DISTANCES), "method": "penalty"}
+    return found
+
+
+def rod_of(scene: dict[str, Any]) -> TouchedSegment:
+    """The rod of a scene, before the plane."""
+    given = {name: scene[name] for name in ("material", "geometry", "tendons")}
+    rod = Rod(elements=Rod.load(file_of("square")).elements, scene=given)
+    return TouchedSegment(rod=rod, obstacle=facing_plane(scene["geometry"]["side"], DISTANCES))
+
+
+def full_order(scene: dict[str, Any], motion: dict[str, Any]) -> tuple[Any, dict[str, np.ndarray]]:
+    """A motion, and columns with a row a step."""
+    from fingerfem.dynamics.motion import motion_of
+    from fingerfem.dynamics.simulation import Simulation
+    from fingerfem.scene.scene import Scene
+
+    rows: list[dict[str, float]] = []
+    own = Scene.model_validate(scene)
+    given = motion_of(motion, own)
+    Simulation(own, given).run(lambda row, _: rows.append(row))
+    return given, {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def followed(scene: dict[str, Any], given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
+    """States of the rod at times but the first; where loads jump, a short step comes first."""
+    model = rod_of(scene)
+
+    def point(time: float, after: bool = False) -> np.ndarray:
+        tensions, d = given.loads(time, after)
+        return np.append(tensions, np.inf if d is None else d)
+
+    finger = MovingFinger(model, point(0.0), DENSITY)
+    for before, now in pairwise(times):
+        if given.jumps(before):
+            finger.step(point(before, True), JUMP, given.base(before, True) if given.base_moves else None)
+        base = given.base(now, False) if given.base_moves else None
+        yield finger.step(point(now), now - finger.time, base, at_rest=at_rest)
+
+
+def tips(name: str) -> dict[str, Any]:
+    """A motion: root mean square of the tip's error, over its largest displacement from where it began."""
+    scene = table(PRONY)
+    given, full = full_order(scene, {"time": TIME} | MOTIONS[name])
+    theirs = np.array([full[f"tip_{axis}"] for axis in "xyz"]).T
+    states = list(followed(scene, given, full["time"]))
+    error = np.linalg.norm([one.tip for one in states] - theirs[1:], axis=1)
+    way = np.linalg.norm(theirs - theirs[0], axis=1).max()
+    return {
+        "converged": all(one.status == "converged" for one in states),
+        "way": float(way),
+        "rms": float(np.sqrt(np.mean(error**2)) / way),
+        "largest": float(error.max() / way),
+    }
+
+
+def impact() -> dict[str, Any]:
+    """Relative errors of an impact's peak force, filtered, and of its impulse."""
+    scene = table(PRONY, before_plane=True)
+    given, full = full_order(scene, IMPACT)
+    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(scene, given, full["time"]))]
+    forces, steps = (full["contact_force"], np.array(ours)), round(FILTER / SHORT)
+    peaks = [float(np.convolve(one, np.ones(steps) / steps, "same").max()) for one in forces]
+    impulses = [float(np.trapezoid(one, full["time"])) for one in forces]
+    return {
+        "peak": peaks[1] / peaks[0] - 1,
+        "impulse": impulses[1] / impulses[0] - 1,
+        "force": peaks[0],
+        "steps": len(full["time"]) - 1,
+    }
+
+
+def held() -> dict[str, Any]:
+    """An hour against the plane, in steps of a minute: relative errors of force and tip at its end."""
+    scene = table(SLOW, before_plane=True)
+    given, full = full_order(scene, HELD)
+    *_, last = followed(scene, given, full["time"], at_rest=True)
+    tip = np.array([full[f"tip_{axis}"][-1] for axis in "xyz"])
+    return {
+        "force": float(last.contact_forces[0] / full["contact_force"][-1] - 1),
+        "tip": float(np.linalg.norm(last.tip - tip) / np.linalg.norm(tip)),
+        "steps": len(full["time"]) - 1,
+    }
+
+
+def frequencies() -> list[dict[str, float]]:
+    """The first three about random states: quantiles of relative errors."""
+    from fingerfem.dynamics.modes import ModalAnalysis
+    from fingerfem.scene.scene import Scene
+
+    full, model = ModalAnalysis(Scene.model_validate(table())), rod_of(table())
+    finger = MovingFinger(model, np.append(np.zeros(len(LARGEST)), np.inf), DENSITY)
+    tensions = np.random.default_rng(SEED).uniform(0, LARGEST, (STATES, len(LARGEST)))
+    errors = [np.abs(finger.frequencies(one) / full.solve(one, count=3).frequencies - 1) for one in tensions]
+    return [quantiles(own) for own in np.array(errors).T]
+
+
+def order() -> list[float]:
+    """Exponents by which the rod's error falls as steps are halved."""
+    model = rod_of(table(PRONY))
+
+    def tip(length: float) -> np.ndarray:
+        finger, count = MovingFinger(model, np.append(np.zeros(len(LARGEST)), np.inf), DENSITY), round(0.02 / length)
+        for k in range(1, count + 1):
+            state = finger.step([2 * np.sin(np.pi * k / count / 2) ** 2, 0.0, 0.0, 0.0, np.inf], length)
+        return state.tip
+
+    exact = tip(FINE)
+    errors = [float(np.linalg.norm(tip(length) - exact)) for length in HALVINGS]
+    return [float(np.log2(one / other)) for one, other in pairwise(errors)]
+
+
+def step_times() -> dict[str, float]:
+    """Medians of a step's time from Python, free, in contact and with branches, over that of an answer at rest [-]."""
+
+    def median(call: Any, count: int = 1000) -> float:
+        taken = []
+        for _ in range(count):
+            begun = time.perf_counter()
+            call()
+            taken.append(time.perf_counter() - begun)
+        return float(np.median(taken))
+
+    model, found = rod_of(table()), {}
+    answer = median(lambda: model.evaluate([4.0, 1.0, 0.0, 0.0, 0.006]))
+    for name, prony, d in (("free", None, np.inf), ("contact", None, 0.006), ("branches", PRONY, 0.006)):
+        finger = MovingFinger(rod_of(table(prony)), [0.0, 0.0, 0.0, 0.0, d], DENSITY)
+        found[name] = median(lambda finger=finger, d=d: finger.step([4.0, 1.0, 0.0, 0.0, d], 1e-3)) / answer
+    return found | {"answer": 1e6 * answer}
+
+
+def measure(run: Run) -> dict[str, Any]:
+    """All of it, part by part."""
+    return {
+        "frequencies": run.once("frequencies", frequencies),
+        "tips": {name: run.once(name, tips, name) for name in MOTIONS},
+        "impact": run.once("impact", impact),
+        "held": run.once("held", held),
+        "order": run.once("order", order),
+        "times": run.once("times", step_times),
+    }

@@ -1,0 +1,1 @@
+"""The tip on a path in time: docs/accuracy.md."""

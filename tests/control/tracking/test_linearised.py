@@ -1,0 +1,47 @@
+"""The realised system against the closed form of two oscillators in each of two directions."""
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+
+import rom
+from control.tracking.linearised import linearised, realised
+
+PERIOD, SHARES = 1e-3, np.array([0.9, 0.1])
+ANGULAR = 2 * np.pi * np.array([[9.0, 50.0], [11.0, 60.0]])  # of both modes in both directions [rad/s]
+
+
+def pulses(angular: np.ndarray) -> np.ndarray:
+    """Of modes with y_i'' = w_i^2 (a_i u - y_i), whose input changes linearly in a period."""
+    a, b = np.zeros((4, 4)), np.zeros((4, 1))
+    for k, (w, share) in enumerate(zip(angular, SHARES, strict=True)):
+        a[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = [[0, 1], [-(w**2), 0]]
+        b[2 * k + 1] = w**2 * share
+    c = np.array([[1.0, 0, 1, 0]])
+    one, two, three, four, _ = cont2discrete((a, b, c, np.zeros((1, 1))), PERIOD, "foh")
+    found, state = [four.item()], two
+    for _ in range(255):
+        found.append((three @ state).item())
+        state = one @ state
+    return np.array(found)
+
+
+def frequencies(system) -> np.ndarray:
+    """Of the poles that are hardly damped, not of the filter's [rad/s]."""
+    poles = np.linalg.eigvals(system.a)
+    return np.sort(np.abs(np.angle(poles[np.abs(poles) > 0.98]))) / PERIOD
+
+
+def test_poles_and_inertia_are_those_of_the_oscillators():
+    response = np.zeros((256, 2, 2))
+    for k in range(2):
+        response[:, k, k] = pulses(ANGULAR[k])
+    found = realised(response, PERIOD)
+    assert frequencies(found)[:4] == pytest.approx(np.repeat(ANGULAR[:, 0], 2), rel=0.02)
+    assert found.inertia == pytest.approx(np.diag((SHARES / ANGULAR**2).sum(axis=1)), rel=0.02, abs=1e-6)
+
+
+def test_the_bundled_finger_has_the_frequency_of_its_modes():
+    found = linearised(rom.load(), np.zeros(2) + 1.0, 1100.0, PERIOD)
+    assert frequencies(found)[0] / (2 * np.pi) == pytest.approx(49.5, rel=0.02)  # fingerfem modes, straight
+    assert np.abs(np.linalg.eigvals(found.a)).max() < 1.001

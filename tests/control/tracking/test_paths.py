@@ -1,0 +1,31 @@
+"""Paths begin at rest, and reach their rate; their points lie where a circle's and an eight's do."""
+
+import numpy as np
+import pytest
+
+from control.tracking import circle, eight
+
+CENTRE, RADIUS, RATE, PERIOD = np.array([0.01, -0.02]), 0.003, 2.0, 1e-3
+
+
+def test_a_circle_begins_at_rest_at_its_least_y_and_turns_at_its_rate():
+    path = circle(CENTRE, RADIUS, RATE, PERIOD, 2)
+    assert len(path) == 1 + 1250 and path[0] == pytest.approx(CENTRE - [RADIUS, 0])
+    assert np.linalg.norm(path - CENTRE, axis=1) == pytest.approx(RADIUS)
+    speeds = np.linalg.norm(np.diff(path, axis=0), axis=1) / PERIOD
+    assert speeds[0] < 1e-4 and speeds[501:] == pytest.approx(2 * np.pi * RATE * RADIUS, rel=1e-4)
+    assert path[1000] == pytest.approx(path[500], abs=1e-9)  # a lap takes 1 / rate
+
+
+def test_an_eight_crosses_its_centre_and_is_twice_as_wide_as_high():
+    path = eight(CENTRE, RADIUS, RATE, PERIOD, 2)
+    assert path[0] == pytest.approx(CENTRE) and path[1000] == pytest.approx(path[500], abs=1e-9)
+    assert np.ptp(path, axis=0) == pytest.approx([RADIUS, 2 * RADIUS], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"), [((0.0, PERIOD, 1.0), "rate must"), ((RATE, np.nan, 1.0), "period must")]
+)
+def test_rates_and_periods_that_are_none_are_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        circle(CENTRE, RADIUS, *given)

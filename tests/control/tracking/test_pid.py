@@ -1,0 +1,33 @@
+"""The PID that tracking is compared with: it integrates within its limits, and corrects tensions that are given."""
+
+import numpy as np
+import pytest
+
+import rom
+from control import Limits, TrackingOptions
+from control.tracking import PidController
+
+PATH, OPTIONS = np.full((60, 2), 0.010), TrackingOptions(period=5e-3, density=1100.0)
+AWAY = [0.047, 0.008, 0.008]  # a tip that does not come nearer [m]
+
+
+@pytest.fixture(scope="module")
+def finger():
+    return rom.load()
+
+
+def test_it_integrates_an_error_by_the_tangent_and_does_not_wind_up(finger):
+    pid = PidController(finger, PATH, (0.0, 2.0, 0.0), OPTIONS, Limits(upper=22.0, rate=100.0))
+    begun, pulled = pid.tensions, [pid.step(AWAY) for _ in range(50)]
+    tip = finger.evaluate([*pulled[0], np.inf]).tip - finger.evaluate([*begun, np.inf]).tip
+    assert tip[1:] == pytest.approx(2.0 * OPTIONS.period * 0.002 * np.ones(2), rel=0.02)
+    assert np.max(pulled) == 22.0 and np.abs(np.diff(pulled, axis=0)).max() <= 0.5 + 1e-9
+    beyond = [0.047, 0.012, 0.012]
+    assert (pid.step(beyond) < 22.0).all()  # it comes back at once
+
+
+def test_without_gains_it_pulls_what_is_given(finger):
+    pulled = np.linspace([10.0, 12.0], [14.0, 11.0], len(PATH))
+    pid = PidController(finger, PATH, (0.0, 0.0, 0.0), OPTIONS, pulled=pulled)
+    while not pid.done:
+        assert pid.step(AWAY) == pytest.approx(pulled[pid.row])

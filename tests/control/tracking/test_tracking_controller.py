@@ -1,0 +1,159 @@
+"""The tip on a path in time: against PID, with delay, noise and another modulus, in contact, within limits."""
+
+import copy
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rom
+from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOptions
+from control.tracking import PidController, circle, eight, track
+
+DENSITY, PERIOD, RATE, RADIUS = 1100.0, 5e-3, 4.0, 0.004  # [kg/m^3], [s], [Hz], [m]
+OPTIONS = TrackingOptions(period=PERIOD, density=DENSITY)
+PATH = circle([0.010, 0.010], RADIUS, RATE, PERIOD, 2)
+LAP = round(1 / RATE / PERIOD)
+
+
+@pytest.fixture(scope="module")
+def finger():
+    return rom.load()
+
+
+@pytest.fixture(scope="module")
+def made(finger):
+    return TrackingController(finger, PATH, OPTIONS)
+
+
+def other(finger, factor: float):
+    """The finger with another modulus, pulled by the same tensions or less."""
+    scene, material = finger.scene, finger.scene["material"]
+    stiffer = material | {"C1": material["C1"] * factor, "D1": material["D1"] / factor}
+    tendons = [one | {"tension": [0.0, 100.0 * min(factor, 1.0)]} for one in scene["tendons"]]
+    return replace(finger, rod=finger.rod.assembled(scene | {"material": stiffer, "tendons": tendons}))
+
+
+def moving(model, controller, flaws: Flaws, density=DENSITY, distance=np.inf) -> MovingPlant:
+    return MovingPlant(model, distance, density, flaws, steps=5, tensions=controller.plan.tensions[0])
+
+
+def rms(found, path=PATH) -> float:
+    return float(np.sqrt((found.errors(path, LAP) ** 2).mean()))
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+def test_it_is_ten_times_as_near_as_a_pid(finger, made, delay):
+    flaws = Flaws(period=PERIOD, delay=delay)
+    found = track(copy.deepcopy(made), moving(finger, made, flaws))
+    assert rms(found) < 0.002 * RADIUS
+    errors = []
+    for gains in ((0.0, 1.0, 0.0), (0.0, 3.0, 0.0), (0.0, 6.0, 0.0)):
+        pid = PidController(finger, PATH, gains, OPTIONS)
+        errors.append(rms(track(pid, moving(finger, made, flaws))))
+    assert rms(found) < 0.1 * min(errors)
+
+
+def test_a_figure_of_eight_is_followed_too(finger):
+    path = eight([0.010, 0.010], RADIUS, RATE, PERIOD, 1.5)
+    controller = TrackingController(finger, path, OPTIONS)
+    assert rms(track(controller, moving(finger, controller, Flaws(period=PERIOD, delay=1))), path) < 0.005 * RADIUS
+
+
+@pytest.mark.parametrize(("modulus", "density"), [(1.1, 0.9), (0.9, 1.1)])
+def test_with_another_modulus_and_density_noise_and_delay_it_comes_near(finger, made, modulus, density):
+    flaws, model = Flaws(period=PERIOD, delay=1, tip_noise=2e-5), other(finger, modulus)
+    alone = copy.deepcopy(made)
+    plant = moving(model, alone, flaws, DENSITY * density)
+    blind = [plant.pull(tensions) * 0 + plant.true_tip[1:] for tensions in alone.plan.tensions[1:]]
+    without = np.linalg.norm(np.array(blind) - PATH[1:], axis=1)[LAP:]
+    found = track(alone, moving(model, alone, flaws, DENSITY * density))
+    assert rms(found) < 0.035 * RADIUS
+    assert rms(found) < 0.5 * np.sqrt((without**2).mean())
+
+
+def test_the_plan_leads_a_slow_tip_along_the_path_and_counts_the_inertia(finger, made):
+    at = finger.evaluate(np.column_stack([made.plan.tensions, np.full(len(PATH), np.inf)])).tip[:, 1:]
+    assert at[0] == pytest.approx(PATH[0], abs=1e-5)
+    turning = slice(LAP + 1, -1)  # where it turns at its rate: at rest, the tip would be nearer to the middle
+    shorter = 1 - (2 * np.pi * RATE) ** 2 * made.inertia[0, 0]
+    wanted = [0.010, 0.010] + shorter * (PATH[turning] - [0.010, 0.010])
+    assert np.linalg.norm(at[turning] - wanted, axis=1).max() < 0.02 * (1 - shorter) * RADIUS + 1e-6
+
+
+def test_tensions_keep_their_limits(finger):
+    limits = Limits(upper=30.0, rate=800.0)
+    controller = TrackingController(finger, PATH, OPTIONS, limits)
+    assert controller.reason == ""
+    flaws = Flaws(period=PERIOD, delay=1, tip_noise=1e-3)  # wild readings
+    found = track(controller, moving(finger, controller, flaws))
+    assert found.tensions.max() <= 30.0 and found.tensions.min() >= 0.0
+    assert np.abs(np.diff(found.tensions, axis=0)).max() <= 800.0 * PERIOD + 1e-9
+    assert np.isfinite(found.tips).all()
+
+
+def test_contact_at_speed_presses_little_more_than_planned_and_little_beside_the_path(finger):
+    distance = 0.010  # of the plane: half of every lap would lie beyond it
+    options = replace(OPTIONS, distance=distance)
+    controller = TrackingController(finger, PATH, options)
+    planned = controller.plan.contact_forces
+    assert planned[0] == 0.0 < planned.max() and (planned[LAP:] == 0).any()
+    for delay in (0, 2):
+        again = copy.deepcopy(controller)
+        plant = moving(finger, again, Flaws(period=PERIOD, delay=delay), distance=distance)
+        found = track(again, plant)
+        assert found.contact_forces.max() < 1.2 * planned.max()
+        assert np.abs(found.tips[LAP:, 1] - PATH[1 + LAP :, 1]).max() < 0.08 * RADIUS
+
+
+def test_a_plane_that_was_not_planned_is_pressed_with_a_bounded_force(finger, made):
+    distance = 0.010
+    found = track(copy.deepcopy(made), moving(finger, made, Flaws(period=PERIOD, delay=1), distance=distance))
+    planned = TrackingController(finger, PATH, replace(OPTIONS, distance=distance)).plan.contact_forces.max()
+    assert 0 < found.contact_forces.max() < 1.6 * planned
+
+
+def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
+    blind = copy.deepcopy(made)
+    for k in range(30):
+        blind.step(np.full(3, np.nan))
+        assert blind.tensions == pytest.approx(made.plan.tensions[2 + k], abs=1e-12)
+    assert blind.status == "sensor_failed"
+    blind.step([0.047, *PATH[31]])
+    assert blind.status == "moving" and np.isfinite(blind.tensions).all()
+    before = copy.deepcopy(blind)
+    for age in (1.0, -1.0, np.nan):  # too old to be of use, or of no time
+        blind.step([1.0, 1.0, 1.0], age=age)
+        before.step(np.full(3, np.nan))
+        assert np.array_equal(blind.tensions, before.tensions)
+
+
+@pytest.mark.parametrize(
+    ("path", "options", "limits", "reason"),
+    [
+        (PATH + 0.05, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
+        (PATH, OPTIONS, Limits(rate=100.0), "must be reached with limits.rate, by 0.5 N a period, but needs"),
+        (PATH, replace(OPTIONS, distance=0.010, most_force=0.01), Limits(), "must press with at most 0.01 N, got"),
+    ],
+)
+def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limits, reason):
+    controller = TrackingController(finger, path[: LAP + 20], options, limits)
+    assert controller.status == "unreachable" and controller.done
+    assert re.search(rf"^path row \d+ {reason}", controller.reason)
+    assert np.array_equal(controller.step([0.047, 0.01, 0.01]), controller.plan.tensions[0])
+
+
+@pytest.mark.parametrize(
+    ("path", "options", "message"),
+    [
+        (np.zeros((9, 3)), {}, "path must be at least three finite rows of y and z, got shape"),
+        (PATH * np.nan, {}, "path must be at least three finite rows"),
+        (PATH, {"distance": 9.0}, "distance must be from"),
+        (PATH, {"period": 0.0}, "period must be finite and above 0, got 0.0"),
+        (PATH, {"pretension": 2.0}, "pretension must be from 0 to 1, got 2.0"),
+    ],
+)
+def test_wrong_input_is_refused_in_a_line(finger, path, options, message):
+    with pytest.raises(ValueError, match=message):
+        TrackingController(finger, path, replace(OPTIONS, **options))
