@@ -13,6 +13,7 @@ import numpy as np
 from scipy.signal import butter, lfilter
 
 from rom.brief import brief
+from rom.files.checked_file import ModelError
 from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
@@ -50,7 +51,7 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
     """The finger about its rest at tensions [N], shape (t,), away from objects.
 
     Raises:
-        ModelError: it cannot rest there, see `rom.MovingFinger`.
+        ModelError: it cannot rest there, see `rom.MovingFinger`, or not move about it.
     """
     away = np.full(len(model.objects), np.inf)
     rest = np.append(tensions, away)
@@ -66,6 +67,11 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
                 for k in range(1, 1 + substeps * RESPONSES)
             ]
         )[substeps - 1 :: substeps]
+        if not np.isfinite(steps).all():
+            raise ModelError(
+                "path must have a middle about which the finger moves in its domain, got one by tensions "
+                f"{tensions.tolist()} N"
+            )
         begun = np.asarray(model.evaluate(rest).tip)[1:]
         pulses.append(np.diff(steps - begun, axis=0, prepend=0.0) / size)
     return realised(np.stack(pulses, axis=-1), period)

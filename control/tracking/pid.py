@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from control.motion import Limits
 from control.tracking.options import TrackingOptions
+from control.tracking.paths import across, checked_path
 from control.tracking.plan import resting
 from rom.rod.touched_segment import TouchedSegment
 
@@ -39,7 +40,11 @@ class PidController:
         limits: Limits | None = None,
         pulled: np.ndarray | None = None,
     ):
-        self.path, self.gains, self.period, t = np.asarray(path, float), gains, options.period, len(model.rod.names)
+        self.path, self.gains, self.period, t = checked_path(path), gains, options.period, len(model.rod.names)
+        if not np.isfinite(gains).all():
+            raise ValueError(f"gains must be finite, got {gains}")
+        if pulled is not None and (np.shape(pulled) != (len(self.path), t) or not np.isfinite(pulled).all()):
+            raise ValueError(f"pulled must be {t} finite tensions a row of the path, got shape {np.shape(pulled)}")
         self._change = (limits or Limits()).rate * options.period
         self._bounds = (limits or Limits()).within(*(end[:t] for end in model.limits))
         first, middle = (
@@ -57,9 +62,13 @@ class PidController:
         return self.row + 1 >= len(self.path)
 
     def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
-        """What to pull next, shape (t,) [N], after a reading of the tip, shape (3,) [m]."""
+        """What to pull next, shape (t,) [N], after a reading of the tip, shape (3,) [m]; nan without one."""
+        if self.done:
+            return self.tensions
         self.row += 1
-        error = self.path[self.row] - np.asarray(tip, float)[1:]
+        error = self.path[self.row] - across(tip)
+        if not np.isfinite(error).all():
+            error = self._last
         proportional, integral, derivative = self.gains
         share = self.period / (self.period + SMOOTHING)
         self._rate = self._rate + share * ((error - self._last) / self.period - self._rate) * (self.row > 2)

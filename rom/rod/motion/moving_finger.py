@@ -202,7 +202,7 @@ class MovingFinger:
         if left <= ROUNDING:
             return goal
         both = np.isfinite(goal) & np.isfinite(self._point)
-        return np.where(both, goal - left * np.where(both, goal - self._point, 0.0), goal)
+        return goal - left * np.subtract(goal, self._point, out=np.zeros_like(goal), where=both)
 
     def _advance(self, point: np.ndarray, base: Base | None, length: float, at_rest: bool) -> Stepped | None:
         given = None if base is None else base.numbers(self._gravity)

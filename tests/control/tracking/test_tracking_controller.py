@@ -122,9 +122,11 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     assert blind.status == "sensor_failed"
     blind.step([0.047, *PATH[31]])
     assert blind.status == "moving" and np.isfinite(blind.tensions).all()
+    with pytest.raises(ValueError, match=r"tip must be x, y and z, got shape \(2,\)"):
+        blind.step(PATH[32])
     before = copy.deepcopy(blind)
-    for age in (1.0, -1.0, np.nan):  # too old to be of use, or of no time
-        blind.step([1.0, 1.0, 1.0], age=age)
+    for wild, age in ((0.01, 1.0), (0.01, -1.0), (0.01, np.nan), (1e300, 0.0)):  # too old, of no time, or no finger's
+        blind.step([wild, wild, wild], age=age)
         before.step(np.full(3, np.nan))
         assert np.array_equal(blind.tensions, before.tensions)
 
@@ -149,7 +151,9 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
     [
         (np.zeros((9, 3)), {}, "path must be at least three finite rows of y and z, got shape"),
         (PATH * np.nan, {}, "path must be at least three finite rows"),
+        (PATH + 1e3, {}, "path must have a middle about which the finger moves in its domain"),
         (PATH, {"distance": 9.0}, "distance must be from"),
+        (PATH, {"distance": np.nan}, "distance must be from"),
         (PATH, {"period": 0.0}, "period must be finite and above 0, got 0.0"),
         (PATH, {"pretension": 2.0}, "pretension must be from 0 to 1, got 2.0"),
     ],
