@@ -21,8 +21,8 @@ from rom.rod.compiled.touched import touches
 from rom.rod.motion.base import RESTING, Base, checked
 from rom.rod.motion.branches import branches_of
 from rom.rod.motion.lumps import lumps_of
+from rom.rod.scene.materials_of_rod import DENSEST
 from rom.rod.touched_rod import TouchedRod
-from rom.rod.weight import DENSEST
 
 HALVINGS = 8  # of a step that finds no answer
 ROUNDING = 1e-12  # of a step's length
