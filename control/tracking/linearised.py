@@ -24,6 +24,7 @@ STEP = 1e-3  # of the tip, over the length of the finger [-]
 CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
 SUBSTEP = 1e-3  # longest step of the finger in time [s]
 STILL = 1e-3  # of poles whose angle a period is smaller, as of a relaxation, none is an oscillation [rad]
+PLANAR = 1e-2  # compliance across over that along, below which tendons move the tip in one direction alone [-]
 LOW = 0.25  # frequency at which damping and inertia are measured, over the lowest natural one [-]
 
 
@@ -48,18 +49,22 @@ class Linearised(NamedTuple):
 
 
 def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, period: float) -> Linearised:
-    """The finger about its rest at tensions [N], shape (t,), away from objects.
+    """The finger about its rest at tensions [N], shape (t,), or as near as steps of them are trained, without objects.
 
     Raises:
         ModelError: it cannot rest there, see `rom.MovingFinger`, or not move about it.
     """
-    away = np.full(len(model.objects), np.inf)
-    rest = np.append(tensions, away)
-    rows = model.jacobian(rest)[1:3, : len(tensions)]
+    away, t = np.full(len(model.objects), np.inf), len(tensions)
+    rows = model.jacobian(np.append(tensions, away))[1:3, :t]
     substeps = int(np.ceil(period / SUBSTEP - 1e-9))
     size = STEP * float(model.rod.rest[0])
+    changes = size * np.linalg.pinv(rows, rcond=PLANAR).T
+    lower, upper = (end[:t] for end in model.limits)
+    room = np.minimum(np.abs(changes).max(axis=0), (upper - lower) / 2)
+    tensions = np.clip(tensions, lower + room, upper - room)  # no tendon pushes
+    rest = np.append(tensions, away)
     pulses = []
-    for change in size * np.linalg.pinv(rows).T:
+    for change in changes:
         finger = MovingFinger(model, rest, density)
         steps = np.array(
             [
@@ -81,10 +86,11 @@ def realised(pulses: np.ndarray, period: float) -> Linearised:
     """The system of a pulse response of u, shape (samples, 2, 2), sampled at a period [s]."""
     a, b, c, d = _states(pulses)
     angles = np.abs(np.angle(np.linalg.eigvals(a)))
-    lowest = float(angles[angles > STILL].min())
+    lowest = float(angles[angles > STILL].min(initial=np.pi))
     turn = LOW * lowest
     slow, still = (
-        np.linalg.inv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d) for one in (turn, 0.0)
+        np.linalg.pinv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d, rcond=PLANAR)
+        for one in (turn, 0.0)
     )
     damping, inertia = slow.imag * period / turn, (still - slow).real * (period / turn) ** 2
     low_pass = np.array(butter(2, min(CUT * lowest / np.pi, HIGHEST)))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.motion import Limits
+from control.tracking.linearised import PLANAR
 from control.tracking.options import TrackingOptions
 from control.tracking.paths import across, checked_path
 from control.tracking.plan import resting
@@ -51,7 +52,7 @@ class PidController:
             resting(model, goal, options.pretension, self._bounds) for goal in (self.path[0], self.path.mean(axis=0))
         )
         rest = np.append(middle, np.full(len(model.objects), np.inf))
-        self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t])
+        self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t], rcond=PLANAR)
         self.row, self.tensions = 1, first.copy()
         self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else pulled
         self._sum, self._rate, self._last = np.zeros(2), np.zeros(2), np.zeros(2)
