@@ -52,7 +52,7 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
     """The finger about its rest at tensions [N], shape (t,), or as near as steps of them are trained, without objects.
 
     Raises:
-        ModelError: it cannot rest there, see `rom.MovingFinger`, or not move about it.
+        ModelError: it cannot rest there, see `rom.MovingFinger`, or not move about it; too short a period.
     """
     away, t = np.full(len(model.objects), np.inf), len(tensions)
     rows = model.jacobian(np.append(tensions, away))[1:3, :t]
@@ -63,6 +63,7 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
     room = np.minimum(np.abs(changes).max(axis=0), (upper - lower) / 2)
     tensions = np.clip(tensions, lower + room, upper - room)  # no tendon pushes
     rest = np.append(tensions, away)
+    _require_long(period, float(MovingFinger(model, rest, density).frequencies(tensions, 1)[0]))
     pulses = []
     for change in changes:
         finger = MovingFinger(model, rest, density)
@@ -80,6 +81,16 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
         begun = np.asarray(model.evaluate(rest).tip)[1:]
         pulses.append(np.diff(steps - begun, axis=0, prepend=0.0) / size)
     return realised(np.stack(pulses, axis=-1), period)
+
+
+def _require_long(period: float, frequency: float) -> None:
+    """Raise unless a response lasts as long as a mode of the lowest frequency [Hz]."""
+    shortest = 1 / (RESPONSES * frequency)
+    if period < shortest:
+        raise ModelError(
+            f"period must be at least {shortest:.2g} s, {RESPONSES} of which last as long as the finger's lowest mode, "
+            f"got {period:g}"
+        )
 
 
 def realised(pulses: np.ndarray, period: float) -> Linearised:

@@ -165,6 +165,11 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
         (PATH, {"distance": 9.0}, "distance must be from"),
         (PATH, {"distance": np.nan}, "distance must be from"),
         (PATH, {"period": 0.0}, "period must be finite and above 0, got 0.0"),
+        (
+            PATH,
+            {"period": 2e-5},
+            r"period must be at least 7.*e-05 s, 256 of which last as long as the finger's lowest mode",
+        ),
         (PATH, {"pretension": 2.0}, "pretension must be from 0 to 1, got 2.0"),
     ],
 )
