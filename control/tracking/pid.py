@@ -54,7 +54,7 @@ class PidController:
         rest = np.append(middle, np.full(len(model.objects), np.inf))
         self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t], rcond=PLANAR)
         self.row, self.tensions = 1, first.copy()
-        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else pulled
+        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else np.array(pulled, float)
         self._sum, self._rate, self._last = np.zeros(2), np.zeros(2), np.zeros(2)
 
     @property
@@ -65,7 +65,7 @@ class PidController:
     def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
         """What to pull next, shape (t,) [N], after a reading of the tip, shape (3,) [m]; nan without one."""
         if self.done:
-            return self.tensions
+            return self.tensions.copy()
         self.row += 1
         error = self.path[self.row] - across(tip)
         if not np.isfinite(error).all():
@@ -80,4 +80,4 @@ class PidController:
         self.tensions = np.clip(wanted, low, high)
         if np.array_equal(self.tensions, wanted) or total @ total <= self._sum @ self._sum:
             self._sum = total  # it does not wind up
-        return self.tensions
+        return self.tensions.copy()

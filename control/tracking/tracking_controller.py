@@ -104,11 +104,11 @@ class TrackingController:
             age: of the readings [s].
         """
         if self.done:
-            return self.tensions
+            return self.tensions.copy()
         self._observe(across(tip), felt, age)
         if self.row + 1 == len(self._inputs):
             self.status = "done"
-            return self.tensions
+            return self.tensions.copy()
         state = self._predicted()
         self.row += 1
         wanted = -self._feedback.gain @ state - self._feedback.effects[self.row] @ self._unknown
@@ -123,7 +123,7 @@ class TrackingController:
         )
         self.tensions = np.clip(planned_tensions + self.plan.gains[self.row] @ wanted, low, high)
         self._inputs[self.row] = self.plan.motions[self.row] @ (self.tensions - planned_tensions)
-        return self.tensions
+        return self.tensions.copy()
 
     def _observe(self, tip: np.ndarray, felt: float, age: float) -> None:
         """Correct the estimate by a reading of an earlier row."""

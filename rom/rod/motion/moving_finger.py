@@ -227,7 +227,7 @@ class MovingFinger:
             status="converged" if found.inside else "out_of_domain",
             time=self.time,
             tip=tip[:3] - self._rest,
-            velocity=tip[12:15],
+            velocity=tip[12:15].copy(),
             contact_forces=found.forces,
             kinetic_energy=found.energy,
         )
