@@ -144,9 +144,12 @@ class Limits:
         """The limits within others, shapes (tensions,) [N].
 
         Raises:
-            ValueError: none are left, or no rate.
+            ValueError: none are left, another number of them, or no rate.
         """
         shape = lower.shape
+        for name, given in (("lower", self.lower), ("upper", self.upper)):
+            if np.shape(given) not in ((), shape):
+                raise ValueError(f"limits.{name} must be one number or {shape[0]}, got {given}")
         own = (
             np.broadcast_to(np.asarray(self.lower, float), shape),
             np.broadcast_to(np.asarray(self.upper, float), shape),

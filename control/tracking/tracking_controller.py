@@ -44,7 +44,8 @@ class TrackingController:
         limits: of the tensions and their rate.
 
     Raises:
-        ValueError: a path of another shape or of fewer than three rows, or limits that leave no tensions.
+        ValueError: a path of another shape or of fewer than three rows, limits that leave no tensions, or several
+            objects.
         ModelError: no density.
 
     Example:
@@ -60,6 +61,8 @@ class TrackingController:
         limits: Limits | None = None,
     ):
         refuse_chambers(model.rod.scene, "tracking")
+        if len(model.objects) != 1:
+            raise ValueError(f"model must be of a finger before one object, got {len(model.objects)}")
         self.options, self.limits = options or TrackingOptions(), limits or Limits()
         self.model, rows, t = model, checked_path(path), len(model.rod.names)
         nearest, farthest = (end[-1] for end in model.limits)

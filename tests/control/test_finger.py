@@ -146,6 +146,8 @@ def test_limits_are_kept_and_make_targets_unreachable(table):
     assert narrow.hold(0.5, 0.010).converged
     with pytest.raises(ValueError, match="limits must leave some of the trained tensions"):
         Finger(table, Limits(lower=200.0))
+    with pytest.raises(ValueError, match=r"limits\.upper must be one number or 2, got \[1\.0, 2\.0, 3\.0\]"):
+        Finger(table, Limits(upper=[1.0, 2.0, 3.0]))
 
 
 def test_a_path_is_followed_within_the_rate_and_across_the_sides(table):

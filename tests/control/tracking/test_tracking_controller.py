@@ -176,3 +176,9 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
 def test_wrong_input_is_refused_in_a_line(finger, path, options, message):
     with pytest.raises(ValueError, match=message):
         TrackingController(finger, path, replace(OPTIONS, **options))
+
+
+def test_a_finger_among_several_objects_is_refused(finger):
+    among = rom.AmongObjects(rod=finger.rod, obstacles=2 * finger.objects)
+    with pytest.raises(ValueError, match="model must be of a finger before one object, got 2"):
+        TrackingController(among, PATH, OPTIONS)
