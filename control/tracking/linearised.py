@@ -23,8 +23,8 @@ RESPONSES = 256  # samples of the response
 STEP = 1e-3  # of the tip, over the length of the finger [-]
 CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
 SUBSTEP = 1e-3  # longest step of the finger in time [s]
-STILL = 1e-3  # of poles whose angle a period is smaller, as of a relaxation, none is an oscillation [rad]
 PLANAR = 1e-2  # compliance across over that along, below which tendons move the tip in one direction alone [-]
+ALIAS = 0.9  # over the lowest frequency: poles below this are aliases of higher modes, or relaxation [-]
 LOW = 0.25  # frequency at which damping and inertia are measured, over the lowest natural one [-]
 
 
@@ -63,7 +63,8 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
     room = np.minimum(np.abs(changes).max(axis=0), (upper - lower) / 2)
     tensions = np.clip(tensions, lower + room, upper - room)  # no tendon pushes
     rest = np.append(tensions, away)
-    _require_long(period, float(MovingFinger(model, rest, density).frequencies(tensions, 1)[0]))
+    frequency = float(MovingFinger(model, rest, density).frequencies(tensions, 1)[0])
+    _require_long(period, frequency)
     pulses = []
     for change in changes:
         finger = MovingFinger(model, rest, density)
@@ -80,7 +81,7 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
             )
         begun = np.asarray(model.evaluate(rest).tip)[1:]
         pulses.append(np.diff(steps - begun, axis=0, prepend=0.0) / size)
-    return realised(np.stack(pulses, axis=-1), period)
+    return realised(np.stack(pulses, axis=-1), period, frequency)
 
 
 def _require_long(period: float, frequency: float) -> None:
@@ -93,11 +94,11 @@ def _require_long(period: float, frequency: float) -> None:
         )
 
 
-def realised(pulses: np.ndarray, period: float) -> Linearised:
-    """The system of a pulse response of u, shape (samples, 2, 2), sampled at a period [s]."""
+def realised(pulses: np.ndarray, period: float, frequency: float) -> Linearised:
+    """The system of a pulse response of u, shape (samples, 2, 2), by its period [s] and its lowest frequency [Hz]."""
     a, b, c, d = _states(pulses)
     angles = np.abs(np.angle(np.linalg.eigvals(a)))
-    lowest = float(angles[angles > STILL].min(initial=np.pi))
+    lowest = float(angles[angles > ALIAS * 2 * np.pi * frequency * period].min(initial=np.pi))
     turn = LOW * lowest
     slow, still = (
         np.linalg.pinv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d, rcond=PLANAR)

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete
+from scipy.signal import butter, cont2discrete
 
 import rom
-from control.tracking.linearised import linearised, realised
+from control.tracking.linearised import HIGHEST, linearised, realised
 
 PERIOD, SHARES = 1e-3, np.array([0.9, 0.1])
 ANGULAR = 2 * np.pi * np.array([[9.0, 50.0], [11.0, 60.0]])  # of both modes in both directions [rad/s]
@@ -38,7 +38,7 @@ def test_poles_and_inertia_are_those_of_the_oscillators():
     response = np.zeros((256, 2, 2))
     for k in range(2):
         response[:, k, k] = pulses(ANGULAR[k])
-    found = realised(response, PERIOD)
+    found = realised(response, PERIOD, ANGULAR.min() / (2 * np.pi))
     assert frequencies(found)[:4] == pytest.approx(np.repeat(ANGULAR[:, 0], 2), rel=0.02)
     assert found.inertia == pytest.approx(np.diag((SHARES / ANGULAR**2).sum(axis=1)), rel=0.02, abs=1e-6)
 
@@ -58,3 +58,9 @@ def test_a_slack_tendon_and_tendons_of_one_direction_change_little():
     for own, tensions in ((finger, [3.0, 0.1, 0.0, 0.1]), (two, [3.0, 0.0])):
         assert linearised(own, np.array(tensions), None, 5e-3).inertia[0, 0] == pytest.approx(taut, rel=0.02)
     assert np.abs(linearised(two, np.array([3.0, 0.0]), None, 5e-3).inertia[1]).max() < 1e-9
+
+
+def test_an_alias_of_a_higher_mode_is_not_the_lowest():
+    """At 98 N a mode of some 196 Hz, sampled at 200 Hz, has a pole at 4 Hz; the lowest mode has 63 Hz."""
+    system = linearised(rom.load(), np.array([98.0, 0.0]), 1100.0, 5e-3)
+    assert system.filter == pytest.approx(np.array(butter(2, HIGHEST)))  # 1.5 times 63 Hz is near half of 200 Hz
