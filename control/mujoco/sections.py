@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom import Rod
+from rom.brief import brief
 from rom.dataset.sections.section import area, mean_squares
 from rom.rod.motion.lumps import prism
 from rom.rod.scene.materials_of_rod import line_mass
@@ -32,6 +33,7 @@ class Block(NamedTuple):
     is_plate: bool = False
 
 
+@brief
 class Body(NamedTuple):
     """A section that moves, with what moves with it.
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from rom.brief import brief
 from rom.dataset.rigid_motion import BaseMotion
 from rom.files.checked_file import ModelError
 
@@ -14,6 +15,7 @@ FASTEST = 0.3  # turn of the base in a step, above which the step is halved [rad
 RESTING = BaseMotion(np.zeros(3), np.zeros(3), np.zeros(3))
 
 
+@brief
 class Base(NamedTuple):
     """The base at one time: how it moves, and its rotation, shape (3, 3)."""
 

@@ -87,14 +87,14 @@ def test_the_error_falls_with_the_square_of_the_step(finger):
 def test_contact_takes_energy_and_never_gives_any(finger):
     one = moving(finger, (0.0, 0.0, 0.003), parts=1)
     energies, forces = [], []
-    for _ in range(1500):
-        state = one.step([20.0, 0.0, 0.003], 1e-3)  # swings against the plane, and rebounds by its own elasticity
+    for _ in range(200):
+        state = one.step([20.0, 0.0, 0.003], 5e-4)  # swings against the plane, and rebounds by its own elasticity
         assert state.status == "converged" and (state.contact_forces >= 0).all()
         energies.append(state.kinetic_energy)
         forces.append(float(state.contact_forces[0]))
     windows = np.array(energies).reshape(10, -1).max(axis=1)
     assert windows[1] < 0.5 * windows[0] and (np.diff(windows) < 0).all()
-    assert 0.0 in forces[15:] and np.mean(forces[-200:]) == pytest.approx(
+    assert 0.0 in forces[30:] and np.mean(forces[-40:]) == pytest.approx(
         finger.evaluate([20.0, 0.0, 0.003]).contact_force, rel=0.01
     )
 
