@@ -91,8 +91,8 @@ def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRu
 def shear_by_bending(interior: ElementLaw) -> np.ndarray:
     """Return shear compliance times bending stiffness of an interior element, c E I towards y and z, shape (2,) [m^2].
 
-    It follows from the linear law at rest. A force f at the distal section displaces the proximal section, seen from the
-    distal one, by f (l^3 / (6 E I) - c l). A moment m turns it by -m l / (E I).
+    It follows from the linear law at rest. Seen from the distal section, a force f there displaces the proximal section
+    by f (l^3 / (6 E I) - c l). A moment m turns it by -m l / (E I).
     """
     length, t = interior.lengths[1], interior.tensions.shape[1]
     _, gradient = interior.of_length(length).value_and_gradient(np.zeros((1, t + 6)))
