@@ -46,6 +46,13 @@ class Flaws:
     force_error: float = 0.0
     tip_noise: float = 0.0
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.delay, int | np.integer) or self.delay < 0:
+            raise ValueError(f"delay must be an integer of at least 0 pulls, got {self.delay}")
+        for name in ("noise", "resolution", "tip_noise"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be finite and at least 0, got {getattr(self, name)}")
+
 
 class Sensor:
     """A force sensor with flaws; where the tip is given, also a sensor of it.
@@ -144,6 +151,8 @@ class MovingPlant:
         steps: int = 1,
         tensions: ArrayLike | None = None,
     ):
+        if not isinstance(steps, int) or steps < 1:
+            raise ValueError(f"steps must be an integer of at least 1, got {steps}")
         self.state: MotionState | None = None
         self.age, self._distance, self._steps, self._flaws = 0.0, distance, steps, flaws or Flaws()
         self._sensor, self._rest = Sensor(self._flaws, seed), model.rod.rest

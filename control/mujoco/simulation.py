@@ -129,7 +129,7 @@ class Simulation:
         for k, rubber in enumerate(self.rubber):
             rubber.pull(self.tensions[k], h)
             inside, converged = bool(rubber.inside[:, 0].all()), bool(rubber.inside[:, 1].all())
-            self.left[k] |= not inside
+            self.left[k] |= not (inside and converged)
             self.lost[k] |= not converged
             if not (inside and converged):
                 self._check(self.fingers[k], rubber.away)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.signal import butter, lfilter
 
 from rom.brief import brief
+from rom.files.checked_file import ModelError
 from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
@@ -23,6 +24,7 @@ STEP = 1e-3  # of the tip, over the length of the finger [-]
 CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
 SUBSTEP = 1e-3  # longest time step of the finger [s]
 STILL = 1e-3  # angle of a pole per period below which it is a relaxation, not an oscillation [rad]
+PLANAR = 1e-2  # compliance across over that along, below which tendons move the tip in one direction alone [-]
 LOW = 0.25  # frequency at which damping and inertia are measured, over the lowest natural one [-]
 
 
@@ -47,18 +49,23 @@ class Linearised(NamedTuple):
 
 
 def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, period: float) -> Linearised:
-    """Linearise the free finger about its equilibrium at tensions [N], shape (t,).
+    """Linearise the free finger about its equilibrium at tensions [N], shape (t,), or as near as its training allows.
 
     Raises:
-        ModelError: no equilibrium at these tensions, see `rom.MovingFinger`.
+        ModelError: no equilibrium at these tensions, see `rom.MovingFinger`, no motion about it, or too short a period.
     """
-    away = np.full(len(model.objects), np.inf)
-    rest = np.append(tensions, away)
-    rows = model.jacobian(rest)[1:3, : len(tensions)]
+    away, t = np.full(len(model.objects), np.inf), len(tensions)
+    rows = model.jacobian(np.append(tensions, away))[1:3, :t]
     substeps = int(np.ceil(period / SUBSTEP - 1e-9))
     size = STEP * float(model.rod.rest[0])
+    changes = size * np.linalg.pinv(rows, rcond=PLANAR).T
+    lower, upper = (end[:t] for end in model.limits)
+    room = np.minimum(np.abs(changes).max(axis=0), (upper - lower) / 2)
+    tensions = np.clip(tensions, lower + room, upper - room)  # no tendon pushes
+    rest = np.append(tensions, away)
+    _require_long(period, float(MovingFinger(model, rest, density).frequencies(tensions, 1)[0]))
     pulses = []
-    for change in size * np.linalg.pinv(rows).T:
+    for change in changes:
         finger = MovingFinger(model, rest, density)
         steps = np.array(
             [
@@ -66,19 +73,35 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
                 for k in range(1, 1 + substeps * RESPONSES)
             ]
         )[substeps - 1 :: substeps]
+        if not np.isfinite(steps).all():
+            raise ModelError(
+                "path must have a middle about which the finger moves in its domain, got one by tensions "
+                f"{tensions.tolist()} N"
+            )
         begun = np.asarray(model.evaluate(rest).tip)[1:]
         pulses.append(np.diff(steps - begun, axis=0, prepend=0.0) / size)
     return realised(np.stack(pulses, axis=-1), period)
+
+
+def _require_long(period: float, frequency: float) -> None:
+    """Raise unless a response lasts as long as a mode of the lowest frequency [Hz]."""
+    shortest = 1 / (RESPONSES * frequency)
+    if period < shortest:
+        raise ModelError(
+            f"period must be at least {shortest:.2g} s, {RESPONSES} of which last as long as the finger's lowest mode, "
+            f"got {period:g}"
+        )
 
 
 def realised(pulses: np.ndarray, period: float) -> Linearised:
     """Compute the system from a pulse response to u, shape (samples, 2, 2), sampled at a period [s]."""
     a, b, c, d = _states(pulses)
     angles = np.abs(np.angle(np.linalg.eigvals(a)))
-    lowest = float(angles[angles > STILL].min())
+    lowest = float(angles[angles > STILL].min(initial=np.pi))
     turn = LOW * lowest
     slow, still = (
-        np.linalg.inv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d) for one in (turn, 0.0)
+        np.linalg.pinv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d, rcond=PLANAR)
+        for one in (turn, 0.0)
     )
     damping, inertia = slow.imag * period / turn, (still - slow).real * (period / turn) ** 2
     low_pass = np.array(butter(2, min(CUT * lowest / np.pi, HIGHEST)))

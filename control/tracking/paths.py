@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+MOST_OF_A_LAP = 0.25  # from row to row [-]
+
 
 def circle(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
     """Return a circle as rows of y and z, shape (n, 2) [m], one per period, from its lowest y.
@@ -16,21 +18,47 @@ def circle(centre: ArrayLike, radius: float, rate: float, period: float, laps: f
         period: time between rows [s].
         laps: number of laps.
     """
-    phase = _phase(rate, period, laps)
+    phase = _phase(centre, radius, rate, period, laps)
     return np.asarray(centre, float) + radius * np.column_stack([-np.cos(phase), np.sin(phase)])
 
 
 def eight(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
     """Return a figure of eight, 2 radii wide along z and one radius along y, with the arguments of `circle`."""
-    phase = _phase(rate, period, laps)
+    phase = _phase(centre, radius, rate, period, laps)
     return np.asarray(centre, float) + radius * np.column_stack([np.sin(2 * phase) / 2, np.sin(phase)])
 
 
-def _phase(rate: float, period: float, laps: float) -> np.ndarray:
+def checked_path(path: ArrayLike) -> np.ndarray:
+    """Return a copy of a path, shape (n, 2) [m].
+
+    Raises:
+        ValueError: it has another shape, fewer than three rows, or numbers that are not finite.
+    """
+    rows = np.array(path, float)
+    if rows.ndim != 2 or rows.shape[1] != 2 or len(rows) < 3 or not np.isfinite(rows).all():
+        raise ValueError(f"path must be at least three finite rows of y and z, got shape {rows.shape}")
+    return rows
+
+
+def across(tip: ArrayLike) -> np.ndarray:
+    """Return y and z, shape (2,), of a reading of the tip, shape (3,) [m]."""
+    found = np.asarray(tip, float)
+    if found.shape != (3,):
+        raise ValueError(f"tip must be x, y and z, got shape {found.shape}")
+    return found[1:]
+
+
+def _phase(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
     """Phase of every row [rad]; its rate rises as 3 s^2 - 2 s^3 for s from 0 to 1."""
+    if np.shape(centre) != (2,) or not np.isfinite(centre).all():
+        raise ValueError(f"centre must be finite y and z, got {centre!r}")
+    if not 0 <= radius < np.inf:
+        raise ValueError(f"radius must be finite and at least 0 m, got {radius}")
     for name, value in (("rate", rate), ("period", period), ("laps", laps)):
         if not 0 < value < np.inf:
             raise ValueError(f"{name} must be finite and above 0, got {value}")
+    if not rate * period <= MOST_OF_A_LAP:
+        raise ValueError(f"rate times period must be at most {MOST_OF_A_LAP:g} laps a row, got {rate * period:g}")
     turns = rate * period * np.arange(1 + round((laps + 0.5) / (rate * period)))
     s = np.minimum(turns, 1.0)
     return np.asarray(2 * np.pi * (s**3 - s**4 / 2 + np.maximum(turns - 1.0, 0.0)))

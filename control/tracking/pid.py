@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.motion import Limits
+from control.tracking.linearised import PLANAR
 from control.tracking.options import TrackingOptions
+from control.tracking.paths import across, checked_path
 from control.tracking.plan import resting
 from rom.rod.touched_segment import TouchedSegment
 
@@ -38,16 +40,20 @@ class PidController:
         limits: Limits | None = None,
         pulled: np.ndarray | None = None,
     ):
-        self.path, self.gains, self.period, t = np.asarray(path, float), gains, options.period, len(model.rod.names)
+        self.path, self.gains, self.period, t = checked_path(path), gains, options.period, len(model.rod.names)
+        if not np.isfinite(gains).all():
+            raise ValueError(f"gains must be finite, got {gains}")
+        if pulled is not None and (np.shape(pulled) != (len(self.path), t) or not np.isfinite(pulled).all()):
+            raise ValueError(f"pulled must be {t} finite tensions a row of the path, got shape {np.shape(pulled)}")
         self._change = (limits or Limits()).rate * options.period
         self._bounds = (limits or Limits()).within(*(end[:t] for end in model.limits))
         first, middle = (
             resting(model, goal, options.pretension, self._bounds) for goal in (self.path[0], self.path.mean(axis=0))
         )
         rest = np.append(middle, np.full(len(model.objects), np.inf))
-        self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t])
+        self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t], rcond=PLANAR)
         self.row, self.tensions = 1, first.copy()
-        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else pulled
+        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else np.array(pulled, float)
         self._sum, self._rate, self._last = np.zeros(2), np.zeros(2), np.zeros(2)
 
     @property
@@ -56,9 +62,13 @@ class PidController:
         return self.row + 1 >= len(self.path)
 
     def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
-        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m]."""
+        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m]; nan without one."""
+        if self.done:
+            return self.tensions.copy()
         self.row += 1
-        error = self.path[self.row] - np.asarray(tip, float)[1:]
+        error = self.path[self.row] - across(tip)
+        if not np.isfinite(error).all():
+            error = self._last
         proportional, integral, derivative = self.gains
         share = self.period / (self.period + SMOOTHING)
         self._rate = self._rate + share * ((error - self._last) / self.period - self._rate) * (self.row > 2)
@@ -69,4 +79,4 @@ class PidController:
         self.tensions = np.clip(wanted, low, high)
         if np.array_equal(self.tensions, wanted) or total @ total <= self._sum @ self._sum:
             self._sum = total  # anti-windup
-        return self.tensions
+        return self.tensions.copy()

@@ -9,7 +9,7 @@ import numpy as np
 from control.least_squares import Rules, minimise
 from control.motion import Limits
 from control.outcomes import listed
-from control.tracking.linearised import Linearised
+from control.tracking.linearised import PLANAR, Linearised
 from control.tracking.options import TrackingOptions
 from rom.brief import brief
 from rom.rod.touched_segment import TouchedSegment
@@ -71,7 +71,7 @@ def planned(
     )
     motions = free.jacobians[:, 1:3, :t]
     room = np.minimum(tensions - bounds[0], bounds[1] - tensions) > ROOM * (bounds[1] - bounds[0])
-    gains = np.linalg.pinv(motions * room[:, None])
+    gains = np.linalg.pinv(motions * room[:, None], rcond=PLANAR)
     forces = pressed.out[:, 3]
     touching = forces > 0
     aside = np.where(touching[:, None], pressed.out[:, 1:3] + model.rod.rest[1:] - path, 0.0)

@@ -15,10 +15,12 @@ from control.outcomes import beyond
 from control.tracking.linearised import linearised
 from control.tracking.observer import feedback
 from control.tracking.options import TrackingOptions
+from control.tracking.paths import across, checked_path
 from control.tracking.plan import planned, resting
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.touched_segment import TouchedSegment
 
+FARTHEST = 2.0  # from the axis, over the finger's length, is no tip's reading usable [-]
 PATIENCE = 20  # periods without a usable reading before the sensor counts as failed
 
 
@@ -59,12 +61,10 @@ class TrackingController:
     ):
         refuse_chambers(model.rod.scene, "tracking")
         self.options, self.limits = options or TrackingOptions(), limits or Limits()
-        self.model, rows, t = model, np.array(path, float), len(model.rod.names)
-        if rows.ndim != 2 or rows.shape[1] != 2 or len(rows) < 3 or not np.isfinite(rows).all():
-            raise ValueError(f"path must be at least three finite rows of y and z, got shape {rows.shape}")
+        self.model, rows, t = model, checked_path(path), len(model.rod.names)
         nearest, farthest = (end[-1] for end in model.limits)
         own = self.options
-        if own.distance < np.inf and (reason := beyond("distance", own.distance, nearest, farthest, "m")):
+        if own.distance != np.inf and (reason := beyond("distance", own.distance, nearest, farthest, "m")):
             raise ValueError(reason)
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
@@ -104,11 +104,11 @@ class TrackingController:
             age: of the readings [s].
         """
         if self.done:
-            return self.tensions
-        self._observe(np.asarray(tip, float)[1:], felt, age)
+            return self.tensions.copy()
+        self._observe(across(tip), felt, age)
         if self.row + 1 == len(self._inputs):
             self.status = "done"
-            return self.tensions
+            return self.tensions.copy()
         state = self._predicted()
         self.row += 1
         wanted = -self._feedback.gain @ state - self._feedback.effects[self.row] @ self._unknown
@@ -123,12 +123,12 @@ class TrackingController:
         )
         self.tensions = np.clip(planned_tensions + self.plan.gains[self.row] @ wanted, low, high)
         self._inputs[self.row] = self.plan.motions[self.row] @ (self.tensions - planned_tensions)
-        return self.tensions
+        return self.tensions.copy()
 
     def _observe(self, tip: np.ndarray, felt: float, age: float) -> None:
         """Correct the estimate by a reading of an earlier row."""
         row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
-        usable = bool(self._at <= row <= self.row and np.isfinite(tip).all())
+        usable = bool(self._at <= row <= self.row and np.abs(tip).max() < FARTHEST * self.model.rod.rest[0])
         self._blind = 0 if usable else self._blind + 1
         self.status = "moving" if self._blind < PATIENCE else "sensor_failed"
         for k in range(self._at, row if usable else self.row - PATIENCE):

@@ -10,13 +10,13 @@ import numpy as np
 from rom.brief import brief
 from rom.dataset.sections.section import area
 from rom.files.checked_file import ModelError
-from rom.rod.scene.materials_of_rod import line_mass
+from rom.rod.scene.materials_of_rod import DENSEST, line_mass
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
 
 STEEL, STANDARD = 7850.0, 9.80665  # density [kg/m^3] and acceleration [m/s^2] that a scene may leave out
-DENSEST, LARGEST = 3e4, 1e4  # [kg/m^3], [m/s^2]
+LARGEST = 1e4  # [m/s^2]
 SHORTEST = 1e-6  # least length of a direction [-]
 
 

@@ -21,9 +21,13 @@ def branches_of(rod: Rod) -> dict[str, Any] | None:
     """Return moduli [-], times [s], and the shear modulus over three bulk moduli [-]; None for elastic rubber.
 
     Raises:
-        ModelError: `material.prony` of the scene is not a list of branches.
+        ModelError: `material.prony` of the scene is not a list of branches, or there are several materials.
     """
-    given = rod.scene["material"].get("prony")
+    given, others = rod.scene["material"].get("prony"), rod.scene.get("materials") or []
+    if others and (given is not None or any(one["material"].get("prony") for one in others)):
+        raise ModelError(
+            "material.prony must be left out with several materials: a rod relaxes as a whole section of one does"
+        )
     if given is None:
         return None
     try:

@@ -21,8 +21,8 @@ from rom.rod.compiled.touched import touches
 from rom.rod.motion.base import RESTING, Base, checked
 from rom.rod.motion.branches import branches_of
 from rom.rod.motion.lumps import lumps_of
+from rom.rod.scene.materials_of_rod import DENSEST
 from rom.rod.touched_rod import TouchedRod
-from rom.rod.weight import DENSEST
 
 HALVINGS = 8  # largest number for a step without a solution
 ROUNDING = 1e-12  # relative error of a step's length [-]
@@ -202,7 +202,7 @@ class MovingFinger:
         if left <= ROUNDING:
             return goal
         both = np.isfinite(goal) & np.isfinite(self._point)
-        return np.where(both, goal - left * np.where(both, goal - self._point, 0.0), goal)
+        return goal - left * np.subtract(goal, self._point, out=np.zeros_like(goal), where=both)
 
     def _advance(self, point: np.ndarray, base: Base | None, length: float, at_rest: bool) -> Stepped | None:
         given = None if base is None else base.numbers(self._gravity)
@@ -227,7 +227,7 @@ class MovingFinger:
             status="converged" if found.inside else "out_of_domain",
             time=self.time,
             tip=tip[:3] - self._rest,
-            velocity=tip[12:15],
+            velocity=tip[12:15].copy(),
             contact_forces=found.forces,
             kinetic_energy=found.energy,
         )

@@ -17,6 +17,7 @@ from rom.rod.scene.section_of_rod import NEAR, equal
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
 DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
 PLAIN = ("nu", "alpha")  # constants without a unit
+DENSEST = 3e4  # [kg/m^3]
 
 
 @brief
@@ -39,16 +40,32 @@ def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
         ModelError: a material along a part of the axis, or a taper.
         KeyError, TypeError, ValueError: a key is missing, or is no number.
     """
-    found, geometry = [dict(one) for one in scene.get("materials") or []], scene["geometry"]
+    found, geometry = [_checked(one) for one in scene.get("materials") or []], scene["geometry"]
+    if len({one["name"] for one in found}) < len(found):
+        raise ModelError(f"materials must differ in their names, got {[one['name'] for one in found]}")
     for one in found:
         begin, end = one.get("x") or (0.0, np.inf)
-        if begin > 0 or end < plates_of(geometry)[-1, 0] * (1 - NEAR):
+        if not (begin <= 0 and end >= plates_of(geometry)[-1, 0] * (1 - NEAR)):
             raise ModelError(
                 f"materials.{one['name']}.x must be left out of a rod's scene, whose sections are equal all along "
                 f"the axis, got {one['x']}: use the full-order model (python3 -m fingerfem solve)"
             )
     if found and any(ratio != 1 for ratio in geometry.get("taper") or []):
         raise ModelError(f"geometry.taper must be left out with several materials, got {geometry['taper']}")
+    return found
+
+
+def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
+    """One of the materials, as plain data."""
+    found = dict(given) | {"material": dict(given["material"])}
+    for key in ("centre", "size") if found["region"] == "rectangle" else ():
+        if np.shape(found[key]) != (2,) or not np.isfinite(np.array(found[key], float)).all():
+            raise ModelError(f"materials.{found['name']}.{key} must be two finite numbers [m], got {found[key]}")
+    density = found.get("density")
+    if density is not None and not 0 < density <= DENSEST:
+        raise ModelError(
+            f"materials.{found['name']}.density must be above 0 and at most {DENSEST:g} kg/m^3, got {density}"
+        )
     return found
 
 

@@ -1,5 +1,7 @@
 """The realised system against the closed form of two oscillators in each of two directions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import cont2discrete
@@ -45,3 +47,14 @@ def test_the_bundled_finger_has_the_frequency_of_its_modes():
     found = linearised(rom.load(), np.zeros(2) + 1.0, 1100.0, PERIOD)
     assert frequencies(found)[0] / (2 * np.pi) == pytest.approx(49.5, rel=0.02)  # fingerfem modes, straight
     assert np.abs(np.linalg.eigvals(found.a)).max() < 1.001
+
+
+def test_a_slack_tendon_and_tendons_of_one_direction_change_little():
+    """Steps of a tension that is 0 must not make it negative; along z nothing can be pulled."""
+    finger = rom.load("round")
+    tendons = finger.scene["tendons"]
+    two = replace(finger, rod=finger.rod.assembled(finger.scene | {"tendons": [tendons[0], tendons[2]]}))
+    taut = linearised(finger, np.array([3.0, 0.1, 0.1, 0.1]), None, 5e-3).inertia[0, 0]
+    for own, tensions in ((finger, [3.0, 0.1, 0.0, 0.1]), (two, [3.0, 0.0])):
+        assert linearised(own, np.array(tensions), None, 5e-3).inertia[0, 0] == pytest.approx(taut, rel=0.02)
+    assert np.abs(linearised(two, np.array([3.0, 0.0]), None, 5e-3).inertia[1]).max() < 1e-9

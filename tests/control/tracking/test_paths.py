@@ -24,8 +24,21 @@ def test_an_eight_crosses_its_centre_and_is_twice_as_wide_as_high():
 
 
 @pytest.mark.parametrize(
-    ("given", "message"), [((0.0, PERIOD, 1.0), "rate must"), ((RATE, np.nan, 1.0), "period must")]
+    ("given", "message"),
+    [
+        ((0.0, PERIOD, 1.0), "rate must"),
+        ((RATE, np.nan, 1.0), "period must"),
+        ((RATE, 0.2, 1.0), "laps a row, got 0.4"),
+    ],
 )
 def test_rates_and_periods_that_are_none_are_refused(given, message):
     with pytest.raises(ValueError, match=message):
         circle(CENTRE, RADIUS, *given)
+
+
+@pytest.mark.parametrize(
+    ("centre", "radius", "message"), [([0.0, np.nan], RADIUS, "centre must"), (CENTRE, -RADIUS, "radius must")]
+)
+def test_a_circle_is_of_finite_numbers(centre, radius, message):
+    with pytest.raises(ValueError, match=message):
+        eight(centre, radius, RATE, PERIOD, 1.0)

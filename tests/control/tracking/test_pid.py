@@ -31,3 +31,23 @@ def test_without_gains_it_pulls_what_is_given(finger):
     pid = PidController(finger, PATH, (0.0, 0.0, 0.0), OPTIONS, pulled=pulled)
     while not pid.done:
         assert pid.step(AWAY) == pytest.approx(pulled[pid.row])
+
+
+def test_without_a_reading_its_last_error_acts_and_after_the_path_nothing_does(finger):
+    pid, other = (PidController(finger, PATH[:5], (1.0, 2.0, 0.1), OPTIONS) for _ in range(2))
+    pid.step(AWAY), other.step(AWAY)
+    assert np.array_equal(pid.step(np.full(3, np.nan)), other.step(AWAY))  # the path stays
+    assert np.array_equal(pid.step(AWAY), pid.step([0.047, 0.0, 0.0])) and pid.done
+
+
+@pytest.mark.parametrize(
+    ("path", "gains", "pulled", "message"),
+    [
+        (PATH[:2], (0.0, 1.0, 0.0), None, "path must be at least three finite rows of y and z"),
+        (PATH, (0.0, np.nan, 0.0), None, "gains must be finite"),
+        (PATH, (0.0, 1.0, 0.0), np.zeros((9, 2)), "pulled must be 2 finite tensions a row of the path"),
+    ],
+)
+def test_wrong_input_is_refused_in_a_line(finger, path, gains, pulled, message):
+    with pytest.raises(ValueError, match=message):
+        PidController(finger, path, gains, OPTIONS, pulled=pulled)

@@ -61,6 +61,16 @@ def test_a_figure_of_eight_is_followed_too(finger):
     assert rms(track(controller, moving(finger, controller, Flaws(period=PERIOD, delay=1))), path) < 0.005 * RADIUS
 
 
+def test_one_tendon_leads_the_tip_along_its_own_line(finger):
+    one = replace(finger, rod=finger.rod.assembled(finger.scene | {"tendons": finger.scene["tendons"][:1]}))
+    pulled = 15.0 - 8.0 * np.cos(np.linspace(0.0, 2 * np.pi, 60))
+    path = one.evaluate(np.column_stack([pulled, np.full(60, np.inf)])).tip[:, 1:]
+    controller = TrackingController(one, path, OPTIONS)
+    assert controller.reason == ""
+    found = track(controller, moving(one, controller, Flaws(period=PERIOD, delay=1)))
+    assert found.errors(path).max() < 0.002 * np.ptp(path[:, 0])
+
+
 @pytest.mark.parametrize(("modulus", "density"), [(1.1, 0.9), (0.9, 1.1)])
 def test_with_another_modulus_and_density_noise_and_delay_it_comes_near(finger, made, modulus, density):
     flaws, model = Flaws(period=PERIOD, delay=1, tip_noise=2e-5), other(finger, modulus)
@@ -122,9 +132,11 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     assert blind.status == "sensor_failed"
     blind.step([0.047, *PATH[31]])
     assert blind.status == "moving" and np.isfinite(blind.tensions).all()
+    with pytest.raises(ValueError, match=r"tip must be x, y and z, got shape \(2,\)"):
+        blind.step(PATH[32])
     before = copy.deepcopy(blind)
-    for age in (1.0, -1.0, np.nan):  # too old to be of use, or of no time
-        blind.step([1.0, 1.0, 1.0], age=age)
+    for wild, age in ((0.01, 1.0), (0.01, -1.0), (0.01, np.nan), (1e300, 0.0)):  # too old, of no time, or no finger's
+        blind.step([wild, wild, wild], age=age)
         before.step(np.full(3, np.nan))
         assert np.array_equal(blind.tensions, before.tensions)
 
@@ -133,6 +145,7 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     ("path", "options", "limits", "reason"),
     [
         (PATH + 0.05, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
+        (PATH + 1e3, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
         (PATH, OPTIONS, Limits(rate=100.0), "must be reached with limits.rate, by 0.5 N a period, but needs"),
         (PATH, replace(OPTIONS, distance=0.010, most_force=0.01), Limits(), "must press with at most 0.01 N, got"),
     ],
@@ -150,7 +163,13 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
         (np.zeros((9, 3)), {}, "path must be at least three finite rows of y and z, got shape"),
         (PATH * np.nan, {}, "path must be at least three finite rows"),
         (PATH, {"distance": 9.0}, "distance must be from"),
+        (PATH, {"distance": np.nan}, "distance must be from"),
         (PATH, {"period": 0.0}, "period must be finite and above 0, got 0.0"),
+        (
+            PATH,
+            {"period": 2e-5},
+            r"period must be at least 7.*e-05 s, 256 of which last as long as the finger's lowest mode",
+        ),
         (PATH, {"pretension": 2.0}, "pretension must be from 0 to 1, got 2.0"),
     ],
 )

@@ -124,6 +124,15 @@ def test_what_is_beyond_the_training_is_marked(finger):
     assert one.step([150.0, 0.0, AWAY], 1e-3).status == "out_of_domain"
 
 
+def test_what_a_caller_does_to_a_state_leaves_the_finger_as_it_was(finger):
+    one, other = moving(finger, parts=1), moving(finger, parts=1)
+    state, same = (own.step([20.0, 0.0, AWAY], 1e-3) for own in (one, other))
+    for changed in (state.tip, state.velocity, state.contact_forces):
+        changed[:] = 9.0
+    assert np.array_equal(one.step([20.0, 0.0, AWAY], 1e-3).tip, other.step([20.0, 0.0, AWAY], 1e-3).tip)
+    assert not np.array_equal(same.velocity, state.velocity)
+
+
 def test_a_step_that_finds_no_answer_leaves_all_as_it_was(finger):
     one, other = moving(finger), moving(finger)
     failed = one.step([10.0, 0.0, -0.02], 1e-3)  # the plane is in the finger at once

@@ -7,6 +7,7 @@ import pytest
 
 from rom.elements.samples.symmetry import mirrors
 from rom.files.checked_file import ModelError
+from rom.rod.motion.branches import branches_of
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.rod import Rod
 from rom.rod.scene.materials_of_rod import line_mass
@@ -55,9 +56,15 @@ def test_all_materials_are_scaled_together():
             {"geometry": elastic_rod.scene()["geometry"] | {"taper": [0.8]}},
             "geometry.taper must be left out with several",
         ),
+        ({"materials": [CORE | {"x": [0.0, np.nan]}]}, "materials.core.x must be left out"),
+        ({"materials": [CORE, CORE]}, r"materials must differ in their names, got \['core', 'core'\]"),
+        ({"materials": [CORE | {"density": -5.0}]}, "materials.core.density must be above 0 and at most 30000"),
+        ({"materials": [CORE | {"density": np.nan}]}, "materials.core.density must be above 0"),
+        ({"materials": [CORE | {"size": [0.002, np.nan]}]}, "materials.core.size must be two finite numbers"),
+        ({"materials": [{"name": "core"}]}, r"scene must have .*, got KeyError\('material'\)"),
     ],
 )
-def test_a_section_is_alike_along_the_axis(changes, rule):
+def test_materials_are_complete_and_alike_along_the_axis(changes, rule):
     with pytest.raises(ModelError, match=rule):
         of_tables(scene(CORE) | changes)
 
@@ -85,6 +92,9 @@ def test_weight_and_moving_mass_are_those_of_the_materials(rod_elements):
     assert lumps.masses.sum() == pytest.approx(moving)
     line = line_mass(rod.scene, RUBBER).density * elastic_rod.SIDE**2
     assert weight.masses[1:].sum() == pytest.approx(line * (elastic_rod.LENGTH - elastic_rod.PLATE))
+    soft = rod.scene | {"material": rod.scene["material"] | {"prony": [[0.5, 1.0]]}}
+    with pytest.raises(ModelError, match=r"material\.prony must be left out with several materials"):
+        branches_of(rod.assembled(soft))
 
 
 def test_mirror_images_exchange_the_materials():
