@@ -1,4 +1,4 @@
-"""Fingers in a MuJoCo scene, each the trained map of its rubber: palm, gravity, friction and objects are MuJoCo's.
+"""Fingers of trained rod elements in a MuJoCo scene, which simulates palm, gravity, friction and objects.
 
 Needs the optional extra: pip install -e '.[mujoco]'.
 """

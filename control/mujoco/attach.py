@@ -1,4 +1,4 @@
-"""A finger as bodies of a MuJoCo model: sections, each free to move before the one it is held by."""
+"""A finger as bodies of a MuJoCo model: a chain of sections, each free to move relative to the previous one."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from control.mujoco.sections import Block, Body, bodies_of
 from rom import Rod
 from rom.brief import brief
 
-STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's own gives way by millimetres
-FAST = 2.0  # time constant of contacts, in steps: MuJoCo's least
-# Of bodies that overlap by micrometres MuJoCo misses the contact now and then. So a block is smaller by this all round
-# [m], and touches what is as near.
+STIFF = (0.999, 0.9999, 1e-5, 0.5, 2.0)  # impedance of contacts: MuJoCo's default allows overlaps of millimetres
+FAST = 2.0  # time constant of contacts over a step, MuJoCo's minimum [-]
+# MuJoCo sometimes misses contacts that overlap by micrometres. So a block is smaller by this on all sides [m], and its
+# contact margin is as large.
 MARGIN = 3e-6
-NEIGHBOURS = 2  # bodies of a finger and its palm that are so few apart do not touch each other
-AROUND = 32  # points of a section's outline that is no rectangle
+NEIGHBOURS = 2  # largest distance along the chain of bodies without contact with each other
+AROUND = 32  # points of an outline that is not a rectangle
 COLORS = {True: (0.2, 0.2, 0.22, 1.0), False: (0.98, 0.68, 0.52, 1.0)}  # of plates, of rubber
 NET_FORCE = 3  # how MuJoCo's sensors of contact reduce several contacts to one
 
-# Whatever a model's defaults are for others.
+# Independent of a model's own defaults.
 FREE = {"damping": 0.0, "stiffness": 0.0, "armature": 0.0, "frictionloss": 0.0, "limited": 0, "actfrclimited": 0}
 TOUCHES = {"contype": 1, "conaffinity": 1, "condim": 3, "priority": 0, "gap": 0.0}
 
@@ -35,15 +35,15 @@ class Attached:
     """A finger in a MuJoCo model.
 
     Attributes:
-        name: of it; its bodies' names begin so.
-        rod: what it is assembled from.
-        clamp: name of the body that its first element stands on.
+        name: of the finger, with which the names of its bodies begin.
+        rod: the finger.
+        clamp: name of the body at the proximal end.
         sections: names of the bodies of its other sections, from clamp to tip.
         plates: those of its plates among them.
-        joints: names of the joints of every section: three slides along the axes of what holds it, and a ball.
+        joints: names of the joints of every section: three slides along the axes of its parent, and a ball.
         sensors: names of the sensors of contact force, along the world's axes [N], of the clamp and every section.
-        relaxation: of the rubber [s]: a force on a section that moves is as much larger as it would be so much later.
-        density: [kg/m^3].
+        relaxation: damping over stiffness of the rubber [s].
+        density: of rubber and plates [kg/m^3].
     """
 
     name: str
@@ -58,14 +58,14 @@ class Attached:
 
     @property
     def elements(self) -> list[tuple[mujoco.mjtObj, str]]:
-        """Types and names of all that it has in the model."""
+        """Types and names of the finger's bodies, joints and sensors."""
         kinds = mujoco.mjtObj
         bodies = [(kinds.mjOBJ_BODY, one) for one in (self.clamp, *self.sections)]
         joints = [(kinds.mjOBJ_JOINT, one) for names in self.joints for one in names]
         return [*bodies, *joints, *((kinds.mjOBJ_SENSOR, one) for one in self.sensors)]
 
     def renamed(self, prefix: str = "", suffix: str = "") -> Attached:
-        """The same finger, whose model is part of another: `spec.attach(hand, prefix=..., suffix=...)`.
+        """Return the finger with the names it has after `spec.attach(hand, prefix=..., suffix=...)`.
 
         Example:
             >>> arm.attach(hand, prefix="left/", site="flange")
@@ -96,17 +96,17 @@ def attach(
 
     Args:
         spec: the model.
-        rod: the finger; MuJoCo's gravity acts on it, and its scene's [gravity] does not.
-        palm: name of the body that holds it; "world" for none.
-        position: of the clamp's middle on that body [m].
-        quaternion: of the clamp, w first: x is the finger's axis, y points to what it bends towards.
-        name: of the finger, of its own in the model.
-        relaxation: of the rubber [s], its damping over its stiffness (Kelvin-Voigt); 5 ms by default.
+        rod: the finger; MuJoCo's gravity replaces the [gravity] of its scene.
+        palm: name of the parent body, "world" for a fixed finger.
+        position: of the clamp's centre on that body [m].
+        quaternion: of the clamp, w first: x is the finger's axis, y the bending direction of the lead tendon.
+        name: of the finger, unique in the model.
+        relaxation: damping over stiffness of the rubber (Kelvin-Voigt) [s].
         density: of rubber and plates [kg/m^3].
-        friction: of the finger [-]. MuJoCo takes the larger of both sides': with 0 the object's counts.
+        friction: of the finger [-]. MuJoCo takes the larger friction of both sides.
 
     Raises:
-        ValueError: no such body, a name that is in use, a keyframe of another size, or numbers that cannot be.
+        ValueError: no such body, a name in use, a keyframe of another size, or numbers out of range.
 
     Example:
         >>> spec = mujoco.MjSpec.from_file("hand.xml")
@@ -127,7 +127,7 @@ def attach(
         ("friction", friction, friction >= 0),
     ):
         if not (least and np.isfinite(value)):
-            raise ValueError(f"{what} must be a number that is not negative, the density above 0, got {value}")
+            raise ValueError(f"{what} must be finite and at least 0, a density above 0, got {value}")
     bodies = bodies_of(rod)
     finger = _named(name, rod, bodies, relaxation, density)
     _require_free(spec, finger)
@@ -151,7 +151,7 @@ def attach(
 
 
 def _named(name: str, rod: Rod, bodies: list[Body], relaxation: float, density: float) -> Attached:
-    """A finger with the names of its parts."""
+    """Name the parts of a finger."""
     sections = list[str]()
     for body in bodies[1:]:
         kind = "plate" if body.is_plate else "section"
@@ -170,7 +170,7 @@ def _named(name: str, rod: Rod, bodies: list[Body], relaxation: float, density: 
 
 
 def _require_free(spec: mujoco.MjSpec, finger: Attached) -> None:
-    """Raise if the model has an element of a name already."""
+    """Raise if a name of the finger is in use in the model."""
     for kind, one in finger.elements:
         if getattr(spec, kind.name.removeprefix("mjOBJ_").lower())(one) is not None:
             raise ValueError(
@@ -179,7 +179,7 @@ def _require_free(spec: mujoco.MjSpec, finger: Attached) -> None:
 
 
 def _free(body: mujoco.MjsBody, joints: tuple[str, ...]) -> None:
-    """Let a section move before its parent."""
+    """Let a section move relative to its parent."""
     *slides, turn = joints
     for joint, axis in zip(slides, np.eye(3), strict=True):
         body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, **FREE)
@@ -198,7 +198,7 @@ def _add_sensor(spec: mujoco.MjSpec, name: str, body: str) -> None:
 
 
 def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, mesh: str, rod: Rod, block: Block, friction: float) -> None:
-    """Add a block of a body with its own outline: a box, or a mesh, the hull of points around it."""
+    """Add a block with its own outline: a box, or a mesh of points on the outline."""
     section, length = rod.own.section.scaled(block.size), block.end - block.begin
     half = np.array([length / 2, *section.box]) - MARGIN
     if section.is_rectangle:
@@ -216,7 +216,7 @@ def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, mesh: str, rod: Rod, bl
         **TOUCHES,
         solref=[FAST * spec.option.timestep, 1.0],
         solimp=STIFF,
-        solmix=1e6,  # how stiff a contact is, its finger says
+        solmix=1e6,  # the finger's stiffness applies to the contact
         rgba=COLORS[block.is_plate],
         **form,
     )
@@ -231,19 +231,19 @@ def attach_gripper(
     name: str = "finger",
     **options: Any,
 ) -> list[Attached]:
-    """Mount fingers evenly around the z axis of a body, as `control.Gripper` has them; they point along -z.
+    """Mount fingers evenly around the z axis of a body, along -z, in the arrangement of `control.Gripper`.
 
     Args:
         spec: the model.
-        rod: every finger.
-        palm: name of the body that holds them.
-        fingers: how many.
-        radius: of the circle that their surfaces stand on [m].
-        name: of the fingers, which a number follows: "finger 0" and so on.
-        options: see `attach`.
+        rod: model of every finger.
+        palm: name of the parent body.
+        fingers: number of fingers.
+        radius: of the circle through their surfaces [m].
+        name: prefix of the fingers' names: "finger 0" and so on.
+        options: of `attach`.
 
     Raises:
-        ValueError: less than one finger; see `attach`.
+        ValueError: fewer than one finger; see `attach`.
     """
     if fingers < 1:
         raise ValueError(f"fingers must be at least 1, got {fingers}")

@@ -1,8 +1,8 @@
-"""Coulomb's law for the contacts of plates, which MuJoCo has in a convex relaxation only.
+"""Coulomb's law for contacts of fingers, in place of MuJoCo's convex relaxation.
 
-There forces and relative accelerations are dual to each other, and what slides is lifted off: its normal acceleration
-is larger than wanted by the friction times the tangential one that is missing. Wanted is then less by as much, found
-by repetition, as De Saxce and Feng have it (Math. Comput. Model. 28, 1998): what is left slides along the surface.
+In the relaxation a sliding body lifts off: its normal acceleration exceeds the reference by the friction coefficient
+times the residual of the tangential acceleration. The correction of De Saxce and Feng (Math. Comput. Model. 28, 1998)
+reduces the reference by this product, in a fixed-point iteration, so that the body slides along the surface.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-REPETITIONS = 10  # at most
-CLOSE = 0.01  # of what is wanted, by which a repetition changes it: enough [-]
-DIRECTIONS = np.arange(5)  # of friction: two along the surface, then turning and rolling, as many as a contact has
+REPETITIONS = 10  # largest number of iterations
+CLOSE = 0.01  # largest change of the correction in the last iteration, over the reference [-]
+DIRECTIONS = np.arange(5)  # of friction: two tangential ones, torsion, two of rolling
 
 
 def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> bool:
-    """Correct what MuJoCo wants of contacts, by number, between its mj_step1 and mj_step2.
+    """Correct the reference accelerations of contacts, given by index, between MuJoCo's mj_step1 and mj_step2.
 
     Returns:
-        whether it settled; if not, what slides is lifted off a little all the same.
+        Whether the iteration converged; if not, sliding bodies still lift off a little.
     """
     all_ = data.contact
     own = contacts[(all_.dim[contacts] > 1) & (all_.efc_address[contacts] >= 0)]

@@ -1,6 +1,6 @@
-"""A gymnasium environment: three fingers pick up a solid of unknown position, by changing their tensions.
+"""A gymnasium environment: three fingers pick up a solid of unknown position.
 
-Needs the optional extras: pip install -e '.[mujoco,gymnasium]'. Importing this registers fingerfem/Grasp-v0:
+It needs the optional extras: pip install -e '.[mujoco,gymnasium]'. Importing this registers fingerfem/Grasp-v0:
 
     gymnasium.make_vec("control.mujoco.environment:fingerfem/Grasp-v0", num_envs=4, vectorization_mode="async")
 """
@@ -26,33 +26,33 @@ from control.mujoco.table import table  # noqa: E402
 from rom import TouchedSegment  # noqa: E402
 
 NAME = "fingerfem/Grasp-v0"
-LARGEST = 5.0  # [N]: a contact force that is observed as 1
-FELT = 4.0  # times that, above which no more is observed [-]
-HEIGHT = 0.05  # [m], to which the palm is lifted
-SOON = 5  # steps of 20 ms in a row whose mean force may crush
-MARGIN = 0.2  # that contact forces may be off before a solid is dropped or crushed [-]
-DRAWS = 1000  # of solids, until one can be held
-CLOSES, LIFTS = 0.5, 0.75  # shares of an episode: until then the palm stays; until then it is lifted [-]
+LARGEST = 5.0  # contact force that is observed as 1 [N]
+FELT = 4.0  # largest observed contact force over LARGEST [-]
+HEIGHT = 0.05  # to which the palm is lifted [m]
+SOON = 5  # steps over which a crushing force is averaged
+MARGIN = 0.2  # admissible relative error of contact forces [-]
+DRAWS = 1000  # largest number of drawn solids until one can be held
+CLOSES, LIFTS = 0.5, 0.75  # shares of an episode at which the lift of the palm begins and ends [-]
 
 
 class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
-    """A gripper above a solid of random shape, size, mass, friction, strength and place, which is lifted by itself.
+    """A gripper above a solid of random shape, size, mass, friction, strength and position.
 
-    In the first half of an episode the palm stays, then it is lifted by 50 mm, then it stays there. Observation: all
-    tensions over the largest, contact forces of the fingers over 5 N, height of the palm over 50 mm, share of the
-    episode; shape (fingers tensions + fingers + 2,) [-]. Action: change of every tension over `change`, shape (fingers
-    tensions,), in [-1, 1]. Reward: how much higher the solid has come over 50 mm, so that 1 is all there is; 1 less
-    if it is crushed, which ends the episode, as it does if the solid is lost. For the `info` see `step`.
+    In the first half of an episode the palm stays; in the next quarter it is lifted by 50 mm. Observation: all tensions
+    over the largest, contact forces of the fingers over 5 N, height of the palm over 50 mm, share of the episode; shape
+    (fingers tensions + fingers + 2,) [-]. Action: change of every tension over `change`, shape (fingers tensions,), in
+    [-1, 1]. Reward: gain of the solid's height over 50 mm, minus 1 if it is crushed. A crushed solid or a stopped
+    simulation ends the episode. `step` describes `info`.
 
     Args:
-        model: of every finger; the bundled one if left out.
-        shapes: of control.mujoco.solids that are drawn.
-        change: most that a tension changes in a step [N]; of fingers with chambers one for each load [N, Pa].
+        model: of every finger; by default the bundled one.
+        shapes: to draw from, see control.mujoco.solids.
+        change: largest change of a tension in a step [N]; with chambers one for each load [N, Pa].
         steps: of an episode.
         period: of a step [s].
 
     Raises:
-        ValueError: shapes that there are not, several segments, or numbers that are not above 0.
+        ValueError: a shape that does not exist, several segments, or numbers that are not above 0.
     """
 
     metadata = {"render_modes": []}
@@ -87,10 +87,10 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Draw a solid that can be held, and where the gripper stands above it; `options` may say its shape.
+        """Draw a solid that can be held, and the gripper's position error; `options` may give its "shape".
 
         Returns:
-            the observation, see the class; and what is drawn: the solid, and where from [m].
+            The observation, see the class; the drawn "solid" and "error" of the position [m].
         """
         super().reset(seed=seed)
         shape = (options or {}).get("shape") or str(self.np_random.choice(self._shapes))
@@ -101,7 +101,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
             if self.gripper.targets(held, margin=MARGIN).exist:
                 break
         else:
-            raise ValueError(f"shape must be one that can be held now and then, got {shape!r}")
+            raise ValueError(f"shape must be one that the fingers can hold, got {shape!r} and none of {DRAWS} solids")
         error = random_error(self.np_random)
         self.simulation: Simulation = table(self.gripper, self._rod, self.solid, error, turn)
         self._tensions = np.tile(self._lower, (len(self.gripper.fingers), 1))
@@ -110,12 +110,12 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._observation(), {"solid": self.solid, "error": error}
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Change the tensions; what is felt a period later.
+        """Change the tensions, and simulate a period.
 
         Returns:
-            observation, reward, whether it was crushed or lost, whether the time is over, and besides: the true contact
-            forces [N], how high the solid was lifted [m], whether it is crushed, and whether a finger left what its map
-            was trained for.
+            Observation, reward, whether the solid was crushed or the simulation stopped, whether the time is over, and
+            the info: true contact forces [N], gained height of the solid [m], whether it is crushed, and whether a
+            finger left its trained domain.
         """
         wanted = np.asarray(action, float)
         if wanted.shape != self.action_space.shape or not np.isfinite(wanted).all():
@@ -130,7 +130,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         try:
             simulation.advance(self._taken * self._period)
             forces, self._palm = simulation.contact_forces(), float(simulation.data.joint("z").qpos[0])
-        except SimulationStopped:  # what was felt last stays
+        except SimulationStopped:  # the last contact forces stay
             lost = True
         self._past = [*self._past[1 - SOON :], forces]
         crushed = bool(np.mean(self._past, axis=0).max() > self.solid.admissible_force)
@@ -146,7 +146,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     @property
     def elapsed(self) -> float:
-        """Share of the episode that is over [-]."""
+        """Elapsed share of the episode [-]."""
         return self._taken / self._steps
 
     @property

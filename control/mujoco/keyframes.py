@@ -1,4 +1,4 @@
-"""Keyframes of a model that fingers are attached to: they keep their coordinates, and fingers rest in them."""
+"""Keyframes of a model with attached fingers: they keep their coordinates, and fingers rest in them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Sizes(NamedTuple):
 
 
 def sizes(spec: mujoco.MjSpec, before: str | None = None) -> Sizes:
-    """Of a model, or of its bodies before one of a name, in the order that they are compiled in."""
+    """Count those of a model, or of its bodies before a named one in the order of compilation."""
     found, waiting = np.zeros(2, int), [spec.worldbody]
     while waiting and waiting[-1].name != before:
         body = waiting.pop()
@@ -31,7 +31,7 @@ def check(spec: mujoco.MjSpec) -> None:
     """Check keyframes before a finger is attached.
 
     Raises:
-        ValueError: a keyframe with other numbers than the model.
+        ValueError: a keyframe whose numbers of coordinates differ from those of the model.
     """
     nq, nv = sizes(spec)
     for key in spec.keys:

@@ -1,4 +1,4 @@
-"""The layout of a gripper for a solid: how many fingers stand around it, and how it is turned against them."""
+"""The layout of a gripper for a solid: number of fingers, and rotation of the solid relative to them."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Layout(NamedTuple):
     """A gripper for a solid.
 
     Attributes:
-        gripper: with so many fingers.
-        turn: of the solid about its axis, against the fingers [rad].
-        targets: contact forces, or why there are none.
+        gripper: with its number of fingers.
+        turn: rotation of the solid about its axis, relative to the fingers [rad].
+        targets: contact forces, or the reason why none exist.
     """
 
     gripper: Gripper
@@ -30,13 +30,13 @@ class Layout(NamedTuple):
 
 
 def best_layout(model: Model, solid: Solid, limits: Limits | None = None, margin: float = 0.1) -> Layout:
-    """The layout whose contact forces may be off most, in ratio, before a solid is dropped or crushed.
+    """Return the layout with the largest ratio of the forces at which a solid is crushed and dropped.
 
     Args:
         model: of every finger.
         solid: to be held.
-        limits: of every finger's tensions and of their rate.
-        margin: that forces may be off on both sides [-].
+        limits: of every finger's tensions and their rate.
+        margin: admissible relative error of forces on both sides [-].
     """
     found = []
     for fingers in FINGERS:

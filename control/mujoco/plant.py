@@ -1,4 +1,4 @@
-"""Fingers of a simulation as the plants that controllers drive."""
+"""Fingers of a simulation as plants of controllers."""
 
 from __future__ import annotations
 
@@ -12,20 +12,19 @@ from control.plant import Flaws, Sensor
 
 
 class MujocoPlant:
-    """One finger of a simulation: a pull takes a period of its time.
+    """One finger of a simulation: a pull advances it by a period.
 
-    Fingers take turns in a period, each a share of it after the one before: whichever is pulled, the simulation goes on
-    until that finger's share of its own period has passed.
+    Fingers share a period: a pull of the finger k of n advances the simulation to the share (k + 1) / n of the period.
 
     Attributes:
-        contact_force: the true one, after the last pull [N].
+        contact_force: true one after the last pull [N].
         age: of the last reading [s].
 
     Args:
-        simulation: that it is in.
-        finger: which of its fingers.
-        period: from pull to pull [s].
-        flaws: of its sensor, whose readings come with this period; none if left out.
+        simulation: of the finger.
+        finger: index of the finger.
+        period: time between pulls [s].
+        flaws: of its sensor, which has this period; by default none.
         seed: of the noise.
     """
 
@@ -44,7 +43,7 @@ class MujocoPlant:
         """See control.plant.Plant.
 
         Raises:
-            ValueError: tensions that the map was not trained for.
+            ValueError: tensions outside the trained domain.
             SimulationStopped: see `Simulation.step`.
         """
         simulation, period = self._simulation, self._period
@@ -62,7 +61,7 @@ class MujocoPlant:
 def plants(
     simulation: Simulation, period: float = 0.01, flaws: Sequence[Flaws | None] | Flaws | None = None, seed: int = 0
 ) -> list[MujocoPlant]:
-    """All fingers of a simulation, with flaws of all or of each."""
+    """Return plants for all fingers of a simulation, with common or individual flaws."""
     count = len(simulation.fingers)
     each = [flaws] * count if flaws is None or isinstance(flaws, Flaws) else list(flaws)
     return [MujocoPlant(simulation, k, period, one, seed + k) for k, one in enumerate(each)]

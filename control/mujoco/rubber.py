@@ -22,20 +22,20 @@ KEEP = "compile it without settotalmass and boundmass"  # options of MuJoCo's co
 
 
 class Rubber:
-    """A finger's rubber and tendons in a compiled model, by the inverse of every element's law (native/sections.h).
+    """Rubber and tendons of a finger in a compiled model, by the inverse of every element's law (native/sections.h).
 
     Attributes:
-        bodies: of its clamp and sections, shape (n + 1,).
-        wrenches: that hold the sections where they are, in their frames, shape (n, 6) [N, N m].
-        inside: whether elements are within their trained domain, and have the pose, shape (n, 2).
+        bodies: indices of its clamp and sections, shape (n + 1,).
+        wrenches: of the elements' laws at the current poses, in the sections' frames, shape (n, 6) [N, N m].
+        inside: whether elements are within their trained domain, and reach the pose, shape (n, 2).
 
     Args:
         model: compiled.
-        data: its state, which keeps its arrays.
+        data: its state, whose arrays must stay in memory.
         attached: the finger.
 
     Raises:
-        ValueError: a part of it is missing in the model, or MuJoCo stores the inertia in another form.
+        ValueError: a part of the finger is missing in the model, or MuJoCo stores the inertia in another form.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, attached: Attached):
@@ -94,15 +94,15 @@ class Rubber:
 
     @property
     def away(self) -> float:
-        """Largest distance of a section from where it was last within its trained domain [m]."""
+        """Largest distance of a section from its last position within the trained domain [m]."""
         slides = self._given[1].qpos[self._positions[:, None] + np.arange(3)]
         return float(np.linalg.norm(slides - self._trained, axis=1).max())
 
 
 def weigh(model: mujoco.MjModel, data: mujoco.MjData, fingers: list[Rubber], loads: int) -> None:
-    """Set the inverse inertia of sections that MuJoCo scales its contacts with: at rest, with the rubber of a step.
+    """Set the inverse inertia of sections, by which MuJoCo scales contacts: at rest, including the rubber of a step.
 
-    MuJoCo's own has the masses alone. Contacts of a section that is light before stiff rubber would give way.
+    MuJoCo's own inverse inertia has only the masses, with which contacts of light sections would be too compliant.
     """
     mujoco.mj_resetData(model, data)
     mujoco.mj_forward(model, data)
@@ -119,7 +119,7 @@ def weigh(model: mujoco.MjModel, data: mujoco.MjData, fingers: list[Rubber], loa
 
 
 def check(model: mujoco.MjModel, finger: Attached) -> None:
-    """Check that a compiled model has a finger as it was attached.
+    """Check that a compiled model contains a finger without changes.
 
     Raises:
         ValueError: parts are missing or renamed, or have another mass.
@@ -150,5 +150,7 @@ def _places(model: mujoco.MjModel, first: int) -> np.ndarray:
     last = model.M_rowadr[rows] + model.M_rownnz[rows] - 1  # the diagonal's place ends a row
     found = np.array([last[i] - (i - j) for i in range(6) for j in range(i + 1)])
     if not np.array_equal(model.M_colind[found], [first + j for i in range(6) for j in range(i + 1)]):
-        raise ValueError("MuJoCo must keep the inertia of a section as one block")
+        raise ValueError(
+            "MuJoCo must store the inertia of a section as one block, got another layout: install another version"
+        )
     return found

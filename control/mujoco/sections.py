@@ -1,4 +1,4 @@
-"""A finger at rest as bodies on a line: its clamp, then a section after every element, of which some are plates'.
+"""A finger at rest as bodies on a line: its clamp, then a section or plate after every element.
 
 The rubber within half an element of a section moves with it as a rigid body, as in `rom.rod.motion.lumps`. Without the
 mass that elements have between their sections, the first three frequencies of the bundled finger across its axis are
@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rom import Rod
+from rom.brief import brief
 from rom.dataset.sections.section import area, mean_squares
 from rom.rod.motion.lumps import prism
 from rom.rod.scene.materials_of_rod import line_mass
@@ -23,7 +24,7 @@ class Block(NamedTuple):
     Attributes:
         begin, end: on the body's x axis [m].
         size: of its section over that of a finger without taper [-].
-        is_plate: whether it is no rubber.
+        is_plate: whether it is steel.
     """
 
     begin: float
@@ -32,11 +33,12 @@ class Block(NamedTuple):
     is_plate: bool = False
 
 
+@brief
 class Body(NamedTuple):
-    """A section that moves, with what moves with it.
+    """A moving section with its rigid parts.
 
     Attributes:
-        offset: from the body before, along the axis [m].
+        offset: from the previous body, along the axis [m].
         length: of the element between both, which begins at a plate's front [m].
         blocks: from clamp to tip.
     """
@@ -47,7 +49,7 @@ class Body(NamedTuple):
 
     @property
     def is_plate(self) -> bool:
-        """Whether it is a plate with rubber about it."""
+        """Whether it contains a plate."""
         return any(block.is_plate for block in self.blocks)
 
     def inertia(self, rod: Rod, density: float) -> tuple[float, np.ndarray, np.ndarray]:
@@ -63,7 +65,7 @@ class Body(NamedTuple):
 
 
 def bodies_of(rod: Rod) -> list[Body]:
-    """The clamp and all sections of a finger, from clamp to tip."""
+    """Return the clamp and all sections of a finger, from clamp to tip."""
     bodies = [Body(0.0, 0.0, [])]
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
         half = segment.half_lengths[0]

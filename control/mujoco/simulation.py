@@ -1,9 +1,9 @@
-"""Steps of a MuJoCo model with fingers: what their rubber pulls at the sections, implicitly, and what they feel.
+"""Steps of a MuJoCo model with fingers: implicit forces of their rubber, and contact forces.
 
 With the inverse of its law an element is a spring of six directions between neighbouring sections: force f(q),
 stiffness K, damping D = relaxation K, in the coordinates of the joints between them. A step of MuJoCo's with the
 inertia M + h D + h^2 K and the force f - (D + h K) v is the linearly implicit Euler step (Deuflhard, Hairer, Zugck,
-Numer. Math. 51, 1987). Contacts and friction are solved with that inertia, too, so that a finger is as stiff as it is.
+Numer. Math. 51, 1987). Contacts and friction are solved with the same inertia, which includes the stiffness.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from control.mujoco.attach import FAST, Attached
 from control.mujoco.coulomb import correct
 from control.mujoco.rubber import Rubber, weigh
 
-STICKING = 100.0  # times stiffer than contacts are that which sticks is, at least [-]
+STICKING = 100.0  # smallest impratio: stiffness of sticking friction over that of contacts [-]
 
 
 class SimulationStopped(FloatingPointError):
@@ -28,8 +28,8 @@ class SimulationStopped(FloatingPointError):
 
     Attributes:
         time: of the simulation [s].
-        finger: name of the finger that left its domain; None if the motion of the model has no bounds.
-        distance: from a section to where that was last within its trained domain [m]; nan without a finger.
+        finger: name of the finger that left its domain; None if the motion diverged.
+        distance: of a section from its last position within the trained domain [m]; nan without a finger.
     """
 
     def __init__(self, reason: str, time: float, finger: str | None = None, distance: float = np.nan):
@@ -44,25 +44,25 @@ class Simulation:
     """A compiled model with fingers, and its state.
 
     Attributes:
-        model, data: MuJoCo's; controls of anything but the fingers are the user's.
+        model, data: MuJoCo's; the user sets other controls than those of fingers.
         wanted: target loads of every finger's actuators, shape (fingers, loads) [N, Pa], see `pull`.
-        tensions: that they pull now, which follow at `rate`.
+        tensions: current loads, which approach the targets at `rate`, shape (fingers, loads) [N, Pa].
         fingers: as attached.
         left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
-        lost: likewise, whether it was where its model has no pose. Its force is then linear about its last pose, and
-            contact with it is not valid.
-        unsettled: steps since `reset` in which Coulomb's law was not found, see control.mujoco.coulomb.
+        lost: likewise, whether an element's law did not reach its pose. Its force is then linear about the last pose,
+            and its contact forces are not valid.
+        unsettled: number of steps since `reset` without convergence to Coulomb's law, see control.mujoco.coulomb.
 
     Args:
-        model: compiled after all fingers were attached. Its contacts are solved with elliptic cones, an impratio of at
-            least 100 and without islands, and nothing resets it by itself.
-        fingers: as `attach` returned them, all with the same number of tensions.
-        rate: most that a motor changes its tension [N/s]; of fingers with chambers one for each load [N/s, Pa/s].
-        coulomb: whether fingers slide by Coulomb's law; else by MuJoCo's own relaxation of it, which takes less time.
+        model: compiled after all fingers were attached. It gets elliptic cones and an impratio of at least 100, without
+            islands and automatic reset.
+        fingers: returned by `attach`, all with the same number of tensions.
+        rate: largest rate of a tension [N/s]; with chambers one for each load [N/s, Pa/s].
+        coulomb: whether fingers slide by Coulomb's law; else by MuJoCo's own relaxation, which takes less time.
 
     Raises:
-        ValueError: no fingers, of different kinds, or one twice; a part of a finger that the model does not have; a
-            solver or an integrator that a step cannot be made with.
+        ValueError: no fingers, fingers of different kinds, or one twice; a part of a finger is missing in the model; a
+            solver or an integrator that is not supported.
     """
 
     def __init__(
@@ -73,15 +73,15 @@ class Simulation:
         if len({one.clamp for one in fingers}) < len(fingers):
             raise ValueError(f"fingers must differ in their names, got {', '.join(one.name for one in fingers)}")
         if model.opt.integrator not in (mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_IMPLICITFAST):
-            raise ValueError("integrator must be Euler or implicitfast: others take several stages in a step")
+            raise ValueError("integrator must be Euler or implicitfast: others have several stages in a step")
         if model.opt.solver == mujoco.mjtSolver.mjSOL_PGS or model.opt.noslip_iterations:
             raise ValueError("solver must be Newton or CG, without noslip: others keep the inertia without the rubber")
         self.rate = for_each("rate", rate, fingers[0].rod.parameters)
         self.model, self.fingers, self._coulomb = model, list(fingers), coulomb
-        # Friction is round, and what sticks creeps little: both are for Coulomb's law, see control.mujoco.coulomb.
+        # Coulomb's law needs a circular friction cone and little creep, see control.mujoco.coulomb.
         model.opt.cone, model.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(model.opt.impratio, STICKING)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
-        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what fails is to be seen
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # failures must stay visible
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
@@ -95,11 +95,11 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """[s]."""
+        """Simulated time [s]."""
         return float(self.data.time)
 
     def reset(self, keyframe: str | None = None) -> None:
-        """Fingers at rest without tensions; everything else as the model says, or a keyframe of it.
+        """Reset fingers to rest without tensions, and the rest of the model to its initial state or a keyframe.
 
         Raises:
             ValueError: no such keyframe.
@@ -118,10 +118,10 @@ class Simulation:
         mujoco.mj_forward(self.model, self.data)
 
     def step(self) -> None:
-        """One step of the model.
+        """Advance the model by one step.
 
         Raises:
-            SimulationStopped: a finger has left its trained domain by its own length, or the motion has no bounds.
+            SimulationStopped: a finger is its own length beyond its trained domain, or the motion diverges.
         """
         model, data, h = self.model, self.data, self.model.opt.timestep
         self.tensions += np.clip(self.wanted - self.tensions, -self.rate * h, self.rate * h)
@@ -140,7 +140,9 @@ class Simulation:
             )
         mujoco.mj_step2(model, data)
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
-            raise SimulationStopped(f"motion has no bounds after {data.time:g} s: use a shorter step", data.time)
+            raise SimulationStopped(
+                f"motion must be finite, got a divergence after {data.time:g} s: use a shorter step", data.time
+            )
 
     def _check(self, finger: Attached, away: float) -> None:
         """Stop where a section is a finger's length from its last position within the trained domain."""
@@ -148,7 +150,7 @@ class Simulation:
         if away > length:
             raise SimulationStopped(
                 f"{finger.name!r} must stay within {length:g} m of its trained domain, got {away:g} m after "
-                f"{self.time:g} s: reduce the load or the acceleration of its base, or train it for more",
+                f"{self.time:g} s: reduce the load or the acceleration of its base, or train larger loads",
                 *(self.time, finger.name, away),
             )
 
@@ -163,10 +165,10 @@ class Simulation:
             self.step()
 
     def contact_forces(self) -> np.ndarray:
-        """What presses on every finger, normal to where it touches, shape (fingers,) [N].
+        """Sums of normal contact forces on every finger, shape (fingers,) [N].
 
-        Where two fingers touch, both feel it; where two sections of one do, it counts once. `Attached.sensors` are
-        MuJoCo's sensors of every section.
+        A contact of two fingers counts for both, one of two sections of a finger once. `Attached.sensors` are MuJoCo's
+        sensors of every section.
         """
         found, force = np.zeros(len(self.fingers)), np.zeros(6)
         for k, pair in enumerate(self.data.contact.geom):
@@ -179,14 +181,14 @@ class Simulation:
         return found
 
     def wrenches(self) -> list[np.ndarray]:
-        """That hold every finger's sections where they are, shape (sections, 6) each, in their frames [N, N m]."""
+        """Wrenches of the elements on every finger's sections, in their frames, shape (sections, 6) each [N, N m]."""
         return [one.wrenches.copy() for one in self.rubber]
 
     def pull(self, finger: int, tensions: ArrayLike) -> None:
-        """Set a finger's target tensions [N] and pressures [Pa], shape (loads,); at once, but no faster than `rate`.
+        """Set a finger's target tensions [N] and pressures [Pa], shape (loads,), which it approaches at `rate`.
 
         Raises:
-            ValueError: not one for each, not finite, or beyond what its map was trained for.
+            ValueError: another number of loads, or loads that are not finite or outside the trained domain.
         """
         wanted, parameters = np.asarray(tensions, float), self.fingers[finger].rod.parameters
         lower, upper = (np.array([getattr(one, end) for one in parameters]) for end in ("lower", "upper"))

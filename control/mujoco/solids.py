@@ -1,7 +1,7 @@
 """Solids to be picked up: boxes, balls, cylinders, cones and convex meshes of random size, mass, friction and strength.
 
-A solid stands on z = 0, its middle above the origin, and is grasped at a height. Every shape has corners, round ones
-within 0.05 mm. They bound the inclination of the faces that fingers meet, for every pose within its error.
+A solid stands on z = 0, centred above the origin, and is grasped at a height. Polyhedra represent all shapes, with an
+error of at most 0.05 mm. They bound the inclination of the touched faces, for every pose within its error.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ SHAPES = ("box", "sphere", "cylinder", "cone", "mesh")
 POSE_ERROR = 0.004  # of a gripper above a solid, at most [m]
 WIDTH = 0.010  # of a plate [m]
 ROUND = 48  # corners of a circle
-BELOW = 0.002  # its middle a ball is grasped [m]: above it is pushed down, however it is pulled
-STANDS = 0.8  # of a mesh's lower half, where it is cut off so that it stands [-]
+BELOW = 0.002  # distance below its centre at which a ball is grasped [m]
+STANDS = 0.8  # share of a mesh's lower half above its flat foot [-]
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Solid:
-    """What is to be picked up.
+    """A solid to be picked up.
 
     Attributes:
         shape: one of SHAPES.
-        size: MuJoCo's, of a box, ball or cylinder [m]; of others, none.
+        size: MuJoCo's size of a box, ball or cylinder [m]; of others, empty.
         corners: shape (n, 3) [m].
-        grasped: height at which it is to be grasped [m].
-        radius: its mean half-width there [m].
+        grasped: height of the grasp [m].
+        radius: mean half-width at this height [m].
         mass: [kg].
         friction: [-].
-        admissible_force: of one finger, above which it is crushed [N].
+        admissible_force: largest contact force of one finger without crushing [N].
     """
 
     shape: str
@@ -50,11 +50,11 @@ class Solid:
 
     @property
     def middle(self) -> float:
-        """Height of its own frame's origin above its foot [m]: that of MuJoCo's primitives is their middle."""
+        """Height of its frame's origin above its foot [m]; the origin of MuJoCo's primitives is their centre."""
         return float(np.ptp(self.corners[:, 2])) / 2 if self.size else 0.0
 
     def held(self, directions: np.ndarray) -> Object:
-        """As fingers from directions, shape (fingers, 2), hold it: its faces lean as much as its pose may make them."""
+        """Return an object for fingers from directions, shape (fingers, 2), with the largest inclination of faces."""
         return Object(
             mass=self.mass,
             friction=self.friction,
@@ -63,7 +63,7 @@ class Solid:
         )
 
     def lean(self, directions: np.ndarray, samples: int = 100) -> float:
-        """Most that faces lean from the fingers' directions, shape (fingers, 2), over errors of its pose [rad]."""
+        """Largest inclination of faces to the fingers' directions, shape (fingers, 2), over pose errors [rad]."""
         hull = ConvexHull(self.corners)
         normals, ends = hull.equations[:, :3], -hull.equations[:, 3]
         errors = np.random.default_rng(0).standard_normal((samples, 3))
@@ -71,11 +71,11 @@ class Solid:
         return max(_lean(normals, ends, direction, error, self.grasped) for error in errors for direction in directions)
 
     def turned(self, angle: float) -> Solid:
-        """Turned about its axis [rad]."""
+        """Return it turned about its axis by an angle [rad]."""
         return replace(self, corners=Rotation.from_euler("z", angle).apply(self.corners))
 
     def best_turn(self, directions: np.ndarray, angles: int = 12) -> float:
-        """Angle by which it is turned against the fingers where its faces lean least [rad]."""
+        """Rotation relative to the fingers with the smallest inclination of faces [rad]."""
         ways = 2 * np.pi / len(directions) * np.arange(angles) / angles
         return min(ways.tolist(), key=lambda way: self.turned(way).lean(directions, samples=24))
 
@@ -107,7 +107,7 @@ def _lean(normals: np.ndarray, ends: np.ndarray, direction: np.ndarray, error: n
 
 
 def random_solid(random: np.random.Generator, shape: str) -> Solid:
-    """A random solid of a shape.
+    """Draw a random solid of a shape.
 
     Raises:
         ValueError: no such shape.
@@ -130,7 +130,7 @@ def random_solid(random: np.random.Generator, shape: str) -> Solid:
 
 
 def random_error(random: np.random.Generator) -> np.ndarray:
-    """Of a gripper's place, evenly from the ball of POSE_ERROR, shape (3,) [m]."""
+    """Draw a gripper's position error, uniform in the ball of radius POSE_ERROR, shape (3,) [m]."""
     error = random.standard_normal(3)
     return error * (POSE_ERROR * random.random() ** (1 / 3) / np.linalg.norm(error))
 

@@ -1,4 +1,4 @@
-"""A table, a solid on it, and a gripper of three fingers above, on a mount of six axes."""
+"""A table, a solid on it, and a gripper above on a mount of six axes."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from rom import Rod
 
 STEP = 0.001  # [s]
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
-# Of the mount's axes along and about x, y, z: armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping, those of an
-# arm that follows in 30 ms.
+# Armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping of the mount's axes along and about x, y, z, for an arm
+# with a time constant of 30 ms.
 MOUNT = {"slide": (2.0, 2e4, 400.0), "hinge": (0.005, 50.0, 1.0)}
 SCENE = """
 <mujoco>
@@ -54,18 +54,18 @@ def table(
     turn: float = 0.0,
     step: float = STEP,
 ) -> Simulation:
-    """A solid on a table under a gripper's fingers, which would meet it where it is to be grasped.
+    """Simulate a solid on a table under a gripper, whose fingers touch it at the height of the grasp.
 
     Args:
-        gripper: of three fingers or how many it has.
-        rod: each finger.
-        solid: which.
-        error: of the gripper's place above it, shape (3,) [m].
+        gripper: any number of fingers.
+        rod: model of every finger.
+        solid: on the table.
+        error: of the gripper's position above it, shape (3,) [m].
         turn: of the solid about its axis [rad].
         step: of the simulation [s].
 
     Returns:
-        a simulation whose controls are the mount's axes (AXES) [m, rad]; bodies "palm" and "object".
+        A simulation whose controls are the mount's axes (AXES) [m, rad], with bodies "palm" and "object".
     """
     joints, actuators = "", ""
     for k, name in enumerate(AXES):
@@ -95,7 +95,7 @@ def table(
 
 
 def tip_height(gripper: Gripper, rod: Rod, radius: float) -> float:
-    """How far below the palm a free finger's plate reaches, bent to touch a face at a radius [m]."""
+    """Distance from the palm down to the plate of a free finger that touches a face at a radius [m]."""
     finger, lead = gripper.fingers[0], gripper.model.lead
     tensions, half, edges = np.zeros(len(rod.names)), rod.half_lengths, []
     for tension in np.linspace(finger.lower[lead], finger.upper[lead], 200):

@@ -1,7 +1,7 @@
 """Motors on a serial line: the datagrams of `control.robot.messages` in frames, and a bridge between line and socket.
 
-A frame is a datagram and its CRC-32, little-endian, with consistent overhead byte stuffing, which leaves no zero byte
-(S. Cheshire, M. Baker, IEEE/ACM Transactions on Networking 7, 1999); then a zero byte.
+A frame is a datagram and its little-endian CRC-32, encoded by consistent overhead byte stuffing (S. Cheshire, M. Baker,
+IEEE/ACM Transactions on Networking 7, 1999), and a zero byte. The encoding contains no zero byte.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Protocol
 from control.robot.link import LARGEST
 
 CHECK = 4  # bytes of a CRC-32
-BLOCK = 254  # most bytes behind a length
+BLOCK = 254  # largest number of bytes after a length
 
 
 class Line(Protocol):
@@ -31,10 +31,10 @@ class Line(Protocol):
 
 
 def framed(datagram: bytes) -> bytes:
-    """A datagram as a frame."""
+    """Encode a datagram as a frame."""
     found = bytearray()
     for part in (datagram + zlib.crc32(datagram).to_bytes(CHECK, "little")).split(b"\0"):
-        # every part ends in a zero, which its length stands for; 255 stands for a full block without one
+        # a length replaces the zero at the end of a part; 255 marks a full block without a zero
         while len(part) >= BLOCK:
             found += b"\xff" + part[:BLOCK]
             part = part[BLOCK:]
@@ -43,7 +43,7 @@ def framed(datagram: bytes) -> bytes:
 
 
 def datagram_of(frame: bytes) -> bytes | None:
-    """The datagram of a frame without its last zero; None if bytes were lost or changed."""
+    """Decode a frame without its last zero; None if bytes were lost or changed."""
     found, k = bytearray(), 0
     while k < len(frame):
         length = frame[k]
@@ -62,11 +62,11 @@ class SerialBridge:
 
     Attributes:
         address: host and port of the socket.
-        broken: frames that were no datagrams: they are lost.
+        broken: number of damaged frames, which are dropped.
 
     Args:
         line: the open line.
-        peer: where datagrams of the line go; without it, to whoever has sent one last.
+        peer: host and port that receive the line's datagrams; by default the last sender.
     """
 
     def __init__(self, line: Line, peer: tuple[str, int] | None = None):
@@ -82,14 +82,14 @@ class SerialBridge:
         self._socket.close()
 
     def forward(self, wait: float = 0.0) -> int:
-        """Forward all that is there; wait at most `wait` [s] for the first. Returns the number of datagrams."""
+        """Forward all pending datagrams, and return their number; wait at most `wait` [s] for the first."""
         line, own = self._line.fileno(), self._socket.fileno()
         ready, _, _ = select.select([line, own], [], [], wait)
         count = self._from_line() if line in ready else 0
         return count + self._from_socket() if own in ready else count
 
     def _from_line(self) -> int:
-        """Send the datagrams of all frames that are whole; what is begun stays."""
+        """Send the datagrams of all complete frames; keep the begun frame."""
         *frames, begun = (self._begun + os.read(self._line.fileno(), LARGEST)).split(b"\0")
         self._begun = begun[-LARGEST:]
         found = [datagram_of(one) for one in frames]

@@ -1,4 +1,4 @@
-"""The tip follows a path in time: a plan by the model's inverse and its dynamics, and feedback from tip readings."""
+"""Tracking of a path in time: tensions planned by the inverse of the model and its dynamics, corrected by feedback."""
 
 from control.tracking.options import TrackingOptions as TrackingOptions
 from control.tracking.paths import circle as circle

@@ -1,8 +1,8 @@
-"""A moving finger linearised by its own steps: from tensions to the tip, sampled at a controller's period.
+"""Linear model of a moving finger, from tensions to the tip, sampled at a controller's period.
 
-The input u is the position across the finger at which the tip would rest; the output is where it is, low-pass
-filtered: feedback stays away from high modes. The pulse response comes from `rom.MovingFinger`. The eigensystem
-realisation algorithm (Juang and Pappa, J. Guidance 8, 1985) finds its states.
+The input u is the equilibrium position of the tip across the finger. The output y is its low-pass filtered position, so
+that feedback does not excite high modes. `rom.MovingFinger` returns the pulse response. The eigensystem realisation
+algorithm (Juang and Pappa, J. Guidance 8, 1985) computes the states.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from rom.files.checked_file import ModelError
 from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
-ORDER = 12  # most states: two oscillations, the filter's and relaxation in two directions
+ORDER = 12  # largest number of states: two oscillations, the filter and relaxation, in two directions
 RANK = 1e-9  # of singular values over the largest, below which there are no states [-]
 RESPONSES = 256  # samples of the response
 STEP = 1e-3  # of the tip, over the length of the finger [-]
 CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
-SUBSTEP = 1e-3  # longest step of the finger in time [s]
+SUBSTEP = 1e-3  # longest time step of the finger [s]
 PLANAR = 1e-2  # compliance across over that along, below which tendons move the tip in one direction alone [-]
 ALIAS = 0.9  # over the lowest frequency: poles below this are aliases of higher modes, or relaxation [-]
 LOW = 0.25  # frequency at which damping and inertia are measured, over the lowest natural one [-]
@@ -34,8 +34,8 @@ class Linearised(NamedTuple):
 
     Attributes:
         a, b, c, d: shapes (n, n), (n, 2), (2, n), (2, 2).
-        filter: of the second order (Butterworth): numerator and denominator, shape (2, 3) [-].
-        damping, inertia: C_eff / K_eff and M_eff / K_eff: u = y + damping y' + inertia y'' of a tip that moves slowly,
+        filter: numerator and denominator of a Butterworth filter of second order, shape (2, 3) [-].
+        damping, inertia: C_eff / K_eff and M_eff / K_eff in u = y + damping y' + inertia y'' at low frequency,
             shapes (2, 2) [s, s^2].
     """
 
@@ -49,10 +49,10 @@ class Linearised(NamedTuple):
 
 
 def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, period: float) -> Linearised:
-    """The finger about its rest at tensions [N], shape (t,), or as near as steps of them are trained, without objects.
+    """Linearise the free finger about its equilibrium at tensions [N], shape (t,), or as near as its training allows.
 
     Raises:
-        ModelError: it cannot rest there, see `rom.MovingFinger`, or not move about it; too short a period.
+        ModelError: no equilibrium at these tensions, see `rom.MovingFinger`, no motion about it, or too short a period.
     """
     away, t = np.full(len(model.objects), np.inf), len(tensions)
     rows = model.jacobian(np.append(tensions, away))[1:3, :t]
@@ -95,7 +95,7 @@ def _require_long(period: float, frequency: float) -> None:
 
 
 def realised(pulses: np.ndarray, period: float, frequency: float) -> Linearised:
-    """The system of a pulse response of u, shape (samples, 2, 2), by its period [s] and its lowest frequency [Hz]."""
+    """Compute the system from a pulse response, shape (samples, 2, 2), its period [s] and lowest frequency [Hz]."""
     a, b, c, d = _states(pulses)
     angles = np.abs(np.angle(np.linalg.eigvals(a)))
     lowest = float(angles[angles > ALIAS * 2 * np.pi * frequency * period].min(initial=np.pi))
@@ -122,5 +122,5 @@ def _states(pulses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.
 
 
 def _tip(finger: MovingFinger, tensions: np.ndarray, away: np.ndarray, length: float) -> np.ndarray:
-    """Where the tip is across the finger after a step of time, shape (2,) [m]."""
+    """Position of the tip across the finger after a time step, shape (2,) [m]."""
     return finger.step(np.append(tensions, away), length).tip[1:]

@@ -1,7 +1,7 @@
-"""Gains of feedback from late and noisy tip readings: Kalman's filter along a plan, and an optimal state feedback.
+"""Gains of feedback from late and noisy tip readings: a Kalman filter along a plan, and optimal state feedback.
 
-The filter estimates the finger's states x and what acts on it beside the inputs, E w: a disturbance that walks at
-random, and the shares by which the plan's stiffness and inertia are wrong.
+The filter estimates the states x and the disturbances E w. These are a random walk, and the relative errors of the
+plan's stiffness and inertia.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from scipy.linalg import solve_discrete_are
 from control.tracking.linearised import Linearised
 from rom.brief import brief
 
-SHARE = 0.1  # standard deviation of stiffness and inertia before any reading, over their values [-]
+SHARE = 0.1  # relative standard deviation of stiffness and inertia before any reading [-]
 
 
 @brief
@@ -22,10 +22,10 @@ class Feedback(NamedTuple):
     """x' = A x + B v, y = C x + D v, v = u + E w; u = -gain x - E w.
 
     Attributes:
-        effects: E at every row, by the disturbance along y and z, and the shares of stiffness and inertia, shape
+        effects: E at every row, for disturbances along y and z and relative errors of stiffness and inertia, shape
             (rows, 2, 4).
-        observer: corrections of x and w by the error of a predicted reading, shape (rows, n + 4, 2).
-        gain: shape (2, n).
+        observer: gain from the error of a predicted reading to corrections of x and w, shape (rows, n + 4, 2).
+        gain: of the state feedback, shape (2, n).
     """
 
     effects: np.ndarray
@@ -34,13 +34,13 @@ class Feedback(NamedTuple):
 
 
 def feedback(system: Linearised, shares: np.ndarray, noise: float, drift: float, effort: float) -> Feedback:
-    """The least mean squares of tip and effort.
+    """Minimise the mean square of tip error and effort.
 
     Args:
-        system: of the finger.
-        shares: motions of the tip by a share of stiffness, and of inertia, at every row, shape (rows, 2, 2) [m].
+        system: linear model of the finger.
+        shares: displacements of the tip per relative error of stiffness and inertia, shape (rows, 2, 2) [m].
         noise: standard deviation of a reading [m].
-        drift: of the disturbance's change in a period [m].
+        drift: standard deviation of the disturbance's change in a period [m].
         effort: weight of u^2 over that of y^2 [-].
     """
     a, b, c, d = system[:4]

@@ -1,4 +1,4 @@
-"""How a path is tracked."""
+"""Options of a tracking controller."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingOptions:
-    """How to track.
+    """Options of a tracking controller.
 
     Attributes:
-        period: from row to row of the path, and from pull to pull [s].
+        period: time between rows of the path, and between commands [s].
         distance: of the object [m]; infinite without one.
-        density: of the rubber [kg/m^3]; that of the scene's [gravity] if left out.
+        density: of the rubber [kg/m^3]; by default that of the scene's [gravity].
         noise: standard deviation of the tip's readings [m].
         drift: standard deviation of the change of the model's error in a second [m/s^0.5].
         effort: weight of the square of a correction over that of the tip's error [-].
-        correction: largest correction, as a motion of the tip [m].
-        pretension: of several tensions that reach a row, the nearest to this are pulled, over the limits' range [-].
-        feel: a force above this is contact [N].
+        correction: largest correction, as a displacement of the tip [m].
+        pretension: share of the limits' range; the plan takes the tensions nearest to it [-].
+        feel: contact force above which a reading counts as contact [N].
         most_force: largest planned contact force [N].
     """
 

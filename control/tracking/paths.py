@@ -1,4 +1,4 @@
-"""Closed paths of the tip across the finger, from rest to a constant rate."""
+"""Closed paths of the tip across the finger, which start at rest and reach a constant rate."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ MOST_OF_A_LAP = 0.25  # from row to row [-]
 
 
 def circle(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
-    """Rows of y and z, shape (n, 2) [m], one a period, from the circle's least y.
+    """Return a circle as rows of y and z, shape (n, 2) [m], one per period, from its lowest y.
 
     Args:
         centre: y and z of the tip plate's centre, shape (2,) [m].
         radius: [m].
-        rate: laps a second [Hz]; the first half lap takes as long as a lap, from rest.
-        period: from row to row [s].
-        laps: how many.
+        rate: laps per second [Hz]; the first half lap, from rest, takes the time of a lap.
+        period: time between rows [s].
+        laps: number of laps.
     """
     phase = _phase(centre, radius, rate, period, laps)
     return np.asarray(centre, float) + radius * np.column_stack([-np.cos(phase), np.sin(phase)])
 
 
 def eight(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
-    """A figure of eight, 2 radii wide along z and one radius along y; arguments of `circle`."""
+    """Return a figure of eight, 2 radii wide along z and one radius along y, with the arguments of `circle`."""
     phase = _phase(centre, radius, rate, period, laps)
     return np.asarray(centre, float) + radius * np.column_stack([np.sin(2 * phase) / 2, np.sin(phase)])
 
 
 def checked_path(path: ArrayLike) -> np.ndarray:
-    """A copy of a path, shape (n, 2) [m].
+    """Return a copy of a path, shape (n, 2) [m].
 
     Raises:
         ValueError: it has another shape, fewer than three rows, or numbers that are not finite.
@@ -41,7 +41,7 @@ def checked_path(path: ArrayLike) -> np.ndarray:
 
 
 def across(tip: ArrayLike) -> np.ndarray:
-    """Its y and z, shape (2,), of a reading of the tip, shape (3,) [m]."""
+    """Return y and z, shape (2,), of a reading of the tip, shape (3,) [m]."""
     found = np.asarray(tip, float)
     if found.shape != (3,):
         raise ValueError(f"tip must be x, y and z, got shape {found.shape}")
@@ -49,7 +49,7 @@ def across(tip: ArrayLike) -> np.ndarray:
 
 
 def _phase(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
-    """Phase [rad] by rows: its rate rises as 3 s^2 - 2 s^3 while s goes from 0 to 1."""
+    """Phase of every row [rad]; its rate rises as 3 s^2 - 2 s^3 for s from 0 to 1."""
     if np.shape(centre) != (2,) or not np.isfinite(centre).all():
         raise ValueError(f"centre must be finite y and z, got {centre!r}")
     if not 0 <= radius < np.inf:

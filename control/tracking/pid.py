@@ -1,4 +1,4 @@
-"""A PID controller of the tensions, which the tracking controller is compared with: it has one tangent of the model."""
+"""A PID controller of the tensions, with one tangent of the model, for comparison with the tracking controller."""
 
 from __future__ import annotations
 
@@ -16,20 +16,19 @@ SMOOTHING = 5e-3  # time constant of the derivative [s]
 
 
 class PidController:
-    """The tip's error acts on the tensions through the tangent in the path's middle.
+    """PID of the tip's error, mapped to tensions by the tangent at the path's mean position.
 
     Attributes:
-        tensions: to be pulled now, shape (t,) [N].
-        row: of the path, that the next pull leads to.
+        tensions: current command, shape (t,) [N].
+        row: of the path at the end of the current command.
 
     Args:
         model: of the finger before one object.
-        path: y and z of the tip plate's centre, one row a period, shape (n, 2) [m].
+        path: y and z of the tip plate's centre, one row per period, shape (n, 2) [m].
         gains: proportional [-], integral [1/s] and derivative [s].
-        options: period and pretension of these.
+        options: of which period and pretension apply.
         limits: of the tensions and their rate.
-        pulled: tensions by which the tip would rest at every row, shape (n, t) [N], which the PID corrects; those of
-            the first row if left out.
+        pulled: feedforward tensions, shape (n, t) [N]; by default the equilibrium tensions of the first row.
     """
 
     def __init__(
@@ -63,7 +62,7 @@ class PidController:
         return self.row + 1 >= len(self.path)
 
     def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
-        """What to pull next, shape (t,) [N], after a reading of the tip, shape (3,) [m]; nan without one."""
+        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m]; nan without one."""
         if self.done:
             return self.tensions.copy()
         self.row += 1
@@ -79,5 +78,5 @@ class PidController:
         high = np.minimum(self._bounds[1], self.tensions + self._change)
         self.tensions = np.clip(wanted, low, high)
         if np.array_equal(self.tensions, wanted) or total @ total <= self._sum @ self._sum:
-            self._sum = total  # it does not wind up
+            self._sum = total  # anti-windup
         return self.tensions.copy()

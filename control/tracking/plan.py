@@ -1,4 +1,4 @@
-"""Tensions that lead the tip along a path: the inverse of the model at rest, corrected by the finger's inertia."""
+"""Planned tensions of a path: the static inverse of the model, corrected by damping and inertia of the finger."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from control.tracking.options import TrackingOptions
 from rom.brief import brief
 from rom.rod.touched_segment import TouchedSegment
 
-TOLERANCE = 1e-5  # largest distance of the tip from a row at which it counts as reached [m]
-CHOICE = 1e-4  # weight of the distance from the pretension, over the range of a tension: of many, the nearest [m]
-ROOM = 0.01  # of a tension to its limits, over their range, below which feedback leaves it to the others [-]
+TOLERANCE = 1e-5  # largest distance of the tip from a row that counts as reached [m]
+CHOICE = 1e-4  # weight of the distance from the pretension over the range: selects one of many solutions [m]
+ROOM = 0.01  # distance of a tension from its limits, over their range, below which feedback does not use it [-]
 RULES = Rules(residual=1e-9, longest=0.2, step=1e-5, nearest=1.0, null_space_iterations=0, iterations=40)
 
 
@@ -26,12 +26,12 @@ class Plan(NamedTuple):
 
     Attributes:
         tensions: at every row, shape (n, t) [N].
-        tips: where the tip is to be, y and z, shape (n, 2) [m]: the path; on an object its surface.
+        tips: goals of the tip, y and z, shape (n, 2) [m]: the path, or the surface of an object in front of it.
         contact_forces: of the object at rest, shape (n,) [N].
-        gains: changes of tension by changes of the tip without contact, shape (n, t, 2) [N/m].
-        motions: the reverse, shape (n, 2, t) [m/N].
-        shares: motions of the free tip by a share of more load, and of inertia and damping, shape (n, 2, 2) [m].
-        reason: why the path is refused, in one line; empty if it is not.
+        gains: derivatives of tensions by the position of the free tip, shape (n, t, 2) [N/m].
+        motions: derivatives of the free tip by tensions, shape (n, 2, t) [m/N].
+        shares: displacements of the free tip per relative change of load, and of inertia, shape (n, 2, 2) [m].
+        reason: of a refused path, in one line; empty for an accepted path.
     """
 
     tensions: np.ndarray
@@ -44,7 +44,7 @@ class Plan(NamedTuple):
 
 
 def differences(path: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities and accelerations at rows, shapes (n, 2) [m/s, m/s^2], of a path that begins at rest and goes on."""
+    """Velocities and accelerations at rows, shapes (n, 2) [m/s, m/s^2], of a path that starts at rest and continues."""
     longer = np.concatenate([path[:1], path, 2 * path[-1:] - path[-2:-1]])
     ahead, behind = longer[2:] - path, path - longer[:-2]
     return (ahead + behind) / (2 * period), (ahead - behind) / period**2
@@ -53,7 +53,7 @@ def differences(path: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray
 def planned(
     model: TouchedSegment, path: np.ndarray, system: Linearised | None, options: TrackingOptions, limits: Limits
 ) -> Plan:
-    """A plan for rows of y and z, shape (n, 2) [m]; without a linearised system the tip rests at every row."""
+    """Plan rows of y and z, shape (n, 2) [m]; without a linear system the plan is quasi-static."""
     t = len(model.rod.names)
     bounds = limits.within(*(end[:t] for end in model.limits))
     ahead = np.zeros_like(path)
@@ -86,7 +86,7 @@ def planned(
 def resting(
     model: TouchedSegment, goal: np.ndarray, pretension: float, bounds: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Tensions, shape (t,) [N], near a pretension [-] by which the tip rests at y and z, shape (2,) [m], or near."""
+    """Equilibrium tensions, shape (t,) [N], near a pretension [-], of the tip nearest to y and z, shape (2,) [m]."""
     pulled = _pretension(pretension, bounds)
     return inverse(model, goal, pulled, pulled, bounds)[0]
 
@@ -102,7 +102,7 @@ def inverse(
     pretension: np.ndarray,
     bounds: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, float]:
-    """Tensions, shape (t,) [N], by which the free tip rests at y and z, shape (2,) [m]; how far it misses these [m]."""
+    """Equilibrium tensions, shape (t,) [N], of the free tip at y and z, shape (2,) [m]; the remaining distance [m]."""
     t = len(start)
     weight, away = CHOICE / np.maximum(bounds[1] - bounds[0], 1e-9), np.full(len(model.objects), np.inf)
 
@@ -116,24 +116,22 @@ def inverse(
 
 
 def _unreached(goals: np.ndarray, missed: np.ndarray, bounds: tuple[np.ndarray, np.ndarray]) -> str:
-    """Why a plan is refused whose tensions miss their goals, by the worst row."""
+    """Reason to refuse tensions that do not reach their goals, with the worst row; empty if they do."""
     k = int(np.argmax(missed))
     if missed[k] <= TOLERANCE:
         return ""
     within = f"tensions from {listed(bounds[0])} to {listed(bounds[1])} N"
     return (
-        f"path row {k} must be reached with its inertia, at {listed(goals[k])} m, by {within}, the nearest miss it "
-        f"by {missed[k]:.3g} m: move or slow the path"
+        f"path row {k} must be reached with its inertia, at {listed(goals[k])} m, by {within}, got a distance of "
+        f"{missed[k]:.3g} m: move or slow the path"
     )
 
 
 def _refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
-    """Why tensions that reach their goals are refused, by the worst row."""
+    """Reason to refuse tensions that reach their goals, with the worst row; empty if there is none."""
     if not inside.all():
         k = int(np.argmin(inside))
-        return (
-            f"path row {k} must lie in the trained domain, its tensions {listed(tensions[k])} N do not: move the path"
-        )
+        return f"path row {k} must lie in the trained domain, got tensions {listed(tensions[k])} N: move the path"
     changes = np.abs(np.diff(tensions, axis=0)).max(axis=1)
     k = int(np.argmax(changes))
     if changes[k] > change:

@@ -1,4 +1,4 @@
-"""A controller leads a plant along its path; what became of it."""
+"""A run of a path controller on a plant, and its record."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from rom.brief import brief
 
 
 class PathController(Protocol):
-    """What `track` needs of a controller."""
+    """Interface of controllers for `track`."""
 
     tensions: np.ndarray
     row: int
 
     @property
     def done(self) -> bool:
-        """Whether there is nothing more to pull."""
+        """Whether the path has ended."""
         ...
 
     def step(self, tip: np.ndarray, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
-        """What to pull next, shape (t,) [N]."""
+        """Return the next tensions, shape (t,) [N]."""
         ...
 
 
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """Where the tip went, by rows of the path from the second on.
+    """Record of a run, from the second row of the path on.
 
     Attributes:
-        tips: true, y and z, shape (n, 2) [m].
-        contact_forces: true, shape (n,) [N].
-        tensions: pulled, shape (n, t) [N].
-        p50_us, p99_us: time of the controller in a period [us].
+        tips: true y and z of the tip, shape (n, 2) [m].
+        contact_forces: true ones, shape (n,) [N].
+        tensions: commanded ones, shape (n, t) [N].
+        p50_us, p99_us: median and 99th percentile of the controller's time per period [us].
     """
 
     tips: np.ndarray = field(repr=False)
@@ -47,16 +47,16 @@ class Track:
     p99_us: float
 
     def errors(self, path: np.ndarray, begin: int = 0) -> np.ndarray:
-        """Distances from rows of a path after row `begin`, shape (m,) [m]."""
+        """Distances of the tip from a path after row `begin`, shape (m,) [m]."""
         rows = np.asarray(path, float)[1 : 1 + len(self.tips)]
         return np.asarray(np.linalg.norm(self.tips - rows, axis=1)[begin:])
 
 
 def track(controller: PathController, plant: MovingPlant) -> Track:
-    """Pull and step until the path's end.
+    """Run the controller on the plant until the path's end.
 
     Raises:
-        ValueError: the finger moves out of the domain of its elements, see `MovingPlant.pull`.
+        ValueError: the finger leaves the domain of its elements, see `MovingPlant.pull`.
     """
     tips, forces, pulled, spent = list[np.ndarray](), list[float](), list[np.ndarray](), list[float]()
     while not controller.done:

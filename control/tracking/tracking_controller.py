@@ -1,8 +1,8 @@
-"""The tip follows a path: planned tensions, and feedback from tip readings through the model's tangent.
+"""Tracking of a path by planned tensions, and feedback from tip readings through the model's tangent.
 
-Feedback predicts the tip over the delay of its readings by the tensions pulled since (as Smith's predictor), and has
-states for two modes in both directions, for a slowly changing disturbance, and for errors of stiffness and inertia. The
-estimate has what was pulled within the limits, so that it does not wind up.
+Feedback predicts the tip over the delay of its readings, as Smith's predictor does. Its states are two modes in both
+directions, a slowly changing disturbance, and errors of stiffness and inertia. The estimate uses the commanded tensions
+after clamping to the limits, which prevents windup.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ PATIENCE = 20  # periods without a usable reading before the sensor counts as fa
 
 
 class TrackingController:
-    """Leads the tip plate's centre along a path in time; `step` takes a reading and returns what to pull next.
+    """Leads the tip plate's centre along a path in time; `step` takes a reading and returns the next tensions.
 
-    Beyond an object's surface the path is where the tip would be without it: the object stops the tip, which presses.
+    A path behind an object's surface is that of the free tip: the object stops the tip, which then presses.
 
     Attributes:
-        tensions: to be pulled now, so that they are reached at row `row` of the path, shape (t,) [N].
-        row: of the path, that the next pull leads to.
-        status: "moving"; "done" after the last row; "unreachable" if the plan is refused, then the tensions stay;
-            "sensor_failed" after PATIENCE periods without a usable reading, while the plan goes on alone.
-        reason: why the path is refused, in one line.
+        tensions: current command, reached at row `row` of the path, shape (t,) [N].
+        row: of the path at the end of the current command.
+        status: "moving"; "done" after the last row; "unreachable" if the plan is refused, and the tensions stay;
+            "sensor_failed" after PATIENCE periods without a usable reading, while the plan continues without feedback.
+        reason: of a refused path, in one line.
         plan: of the path, see `control.tracking.plan`.
 
     Args:
         model: of the finger before one object.
-        path: y and z of the tip plate's centre, one row a period, shape (n, 2) [m]; it begins at rest.
-        options: how.
+        path: y and z of the tip plate's centre, one row per period, shape (n, 2) [m]; it starts at rest.
+        options: of the controller.
         limits: of the tensions and their rate.
 
     Raises:
@@ -90,16 +90,16 @@ class TrackingController:
 
     @property
     def period(self) -> float:
-        """From step to step [s]."""
+        """Time between steps [s]."""
         return self.options.period
 
     @property
     def done(self) -> bool:
-        """Whether there is nothing more to pull."""
+        """Whether the path has ended or is refused."""
         return self.status in ("done", "unreachable")
 
     def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
-        """What to pull next, shape (t,) [N].
+        """Return the next tensions, shape (t,) [N].
 
         Args:
             tip: reading of the tip plate's centre in the clamp's frame, shape (3,) [m]; nan without one.
@@ -164,5 +164,5 @@ class TrackingController:
         return np.asarray(self._system.a @ state + self._system.b @ self._acting(row))
 
     def _acting(self, row: int) -> np.ndarray:
-        """What acts on the finger beside the plan, as a motion of the tip at rest, shape (2,) [m]."""
+        """Corrections and disturbances beside the plan, as a displacement of the tip at rest, shape (2,) [m]."""
         return np.asarray(self._inputs[row] + self._feedback.effects[row] @ self._unknown)

@@ -15,7 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from rom.brief import brief
 
+
+@brief
 class BaseMotion(NamedTuple):
     """How the base moves, in its own axes: acceleration [m/s^2], angular velocity [rad/s] and its rate [rad/s^2]."""
 

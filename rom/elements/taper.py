@@ -1,18 +1,18 @@
-"""Elements of a tapered segment: each stands for a frustum of rubber, between sections of two sizes.
+"""Elements of a tapered segment: each represents a frustum of rubber between sections of two sizes.
 
-It is a trained prismatic element, scaled to one size by similarity. With the relative taper p = s' / s along x, the
-length l and the distance u from the distal section, its pose gets what the frustum has in first order of p. In a plane
-of bending, with the bending stiffness E I and the shear compliance c per length:
+It is a trained prismatic element, scaled to one size, with corrections of first order in the relative taper
+p = s' / s along x. Let l be the length and u the distance from the distal section. In a plane of bending, with the
+bending stiffness E I and the shear compliance c per length:
 
     a tendon has the curvature k (1 + 3 p (u - l/2)), and its force along the converging channel shears by -c p E I k,
     a moment m has m / (E I) (1 + 4 p (u - l/2)),
     a force f has f u / (E I) (1 + 4 p (u - l/2)).
 
-So the proximal section, seen from the distal one, turns about a centre that is nearer to the thinner end than the
-middle: by p (l^2/4 - c E I) under tendons, and by p l^2/3 under m. Under f it turns by p l^3 / (3 E I) more. An element
-has the size of which 1 / s^3 is the mean; that of 1 / s^4, for moments, is larger by (p l)^2 / 6.
+So the proximal section, seen from the distal one, turns about a centre offset from the middle towards the thinner end:
+by p (l^2/4 - c E I) under tendons, and by p l^2/3 under m. Under f it turns by p l^3 / (3 E I) more. The size of an
+element has the mean of 1 / s^3; the mean of 1 / s^4, for moments, is larger by (p l)^2 / 6.
 
-`c E I` is the interior element's own: no constant is fitted (docs/accuracy.md has the errors, by section and taper).
+`c E I` is that of the interior element: no constant is fitted. Errors by section and taper: docs/accuracy.md.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
 from rom.files.checked_file import ModelError
 
-PLANES = (1, 5, 1), (2, 4, -1)  # of bending: places and forces, turns and moments, sign of the place that a turn gives
+PLANES = (1, 5, 1), (2, 4, -1)  # of bending: indices of position and force, of rotation and moment; sign
 ROUNDS = 50  # of the fixed point for sizes of end pieces; each reduces the error to a tenth
 
 
 class TaperedRubber(NamedTuple):
-    """The rubber of a segment between the sizes of its sections, over those of a finger without taper [-].
+    """The rubber of a segment, whose section has the sizes `begin` and `end` relative to size 1 [-].
 
-    `length` is from the clamp to the plate's centre, `half` is half its plate's thickness at size 1 [m].
+    `length` is from the clamp to the plate's centre, `half` is half the plate's thickness at size 1 [m].
     """
 
     begin: float
@@ -44,19 +44,19 @@ class TaperedRubber(NamedTuple):
     half: float
 
     def size_at(self, x: float) -> float:
-        """Of the section at x from the clamp [m]."""
+        """Size of the section at x from the clamp [m]."""
         return self.begin + (self.end - self.begin) * x / (self.length - self.end * self.half)
 
 
 def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRubber) -> list[Piece]:
-    """The elements of a segment: with a taper end pieces at their own size, interior ones at even ratios of sizes.
+    """Return the elements of a segment; with a taper, interior elements have equal ratios of their end sizes.
 
     Args:
-        lengths: shortest and longest of every kind of element at size 1 [m].
-        rubber: between clamp and plate.
+        lengths: shortest and longest length of every kind of element at size 1 [m].
+        rubber: of the segment.
 
     Raises:
-        ModelError: these elements make no such segment.
+        ModelError: the segment is too short or too long, or there is no interior element.
     """
     if rubber.begin == rubber.end:
         own = {kind: (rubber.end * least, rubber.end * most) for kind, (least, most) in lengths.items()}
@@ -89,10 +89,10 @@ def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRu
 
 
 def shear_by_bending(interior: ElementLaw) -> np.ndarray:
-    """Shear compliance times bending stiffness of an interior element, c E I towards y and z, shape (2,) [m^2].
+    """Return shear compliance times bending stiffness of an interior element, c E I towards y and z, shape (2,) [m^2].
 
-    Without loads, under a force f at its distal section the proximal one is displaced by f (l^3 / (6 E I) - c l), seen
-    from there; under a moment m it turns by -m l / (E I).
+    It follows from the linear law at rest. Seen from the distal section, a force f there displaces the proximal section
+    by f (l^3 / (6 E I) - c l). A moment m turns it by -m l / (E I).
     """
     length, t = interior.lengths[1], interior.tensions.shape[1]
     _, gradient = interior.of_length(length).value_and_gradient(np.zeros((1, t + 6)))
@@ -101,12 +101,12 @@ def shear_by_bending(interior: ElementLaw) -> np.ndarray:
 
 
 def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
-    """A prismatic element with the terms of its frustum.
+    """Return a prismatic element with the corrections of its frustum.
 
     Args:
-        element: at the piece's size and length.
-        piece: its length and sizes.
-        shear: c E I at size 1, see `shear_by_bending`.
+        element: of the piece's size and length.
+        piece: length and end sizes.
+        shear: c E I at size 1, shape (2,) [m^2], see `shear_by_bending`.
     """
     law, length = element.polynomial, piece.length
     ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l

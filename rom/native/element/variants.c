@@ -3,7 +3,7 @@
  * first: this leaves one row of coefficients for every product. Coefficients are single, sums double. */
 #include "variants.h"
 
-enum { POSE = FINGERFEM_POSE, W = FINGERFEM_WRENCH, MOST = FINGERFEM_MOST_VARIANTS };
+enum { POSE = FINGERFEM_POSE, W = FINGERFEM_WRENCH };
 typedef double eight __attribute__((vector_size(64), aligned(8), may_alias)); /* a pose, among plain numbers */
 typedef float singles __attribute__((vector_size(32), aligned(4), may_alias));
 
@@ -36,53 +36,37 @@ static void wrench_products(const fingerfem_variants *variants, const double *wr
                       (values[3][powers[3]] * values[4][powers[4]] * values[5][powers[5]]);
 }
 
-/* Add terms first ... last - 1 to all variants: weight sum_k M_k(F) coefficients_k. A `count` that the compiler has, leaves the sums in
- * registers. */
-__attribute__((always_inline)) static inline void add_terms(const fingerfem_variants *variants, int count, int first, int last,
-                                                            double weight, const double *monomials, eight *sums)
+/* Add terms first ... last - 1 to all variants, (count, POSE): weight sum_k M_k(F) coefficients_k. The sums are in memory: gcc 12 makes
+ * wrong code for such vectors in local variables, without AVX. */
+static void add_terms(const fingerfem_variants *variants, int first, int last, double weight, const double *monomials, double *found)
 {
+    const int count = variants->count;
     const float *from = variants->coefficients + (ptrdiff_t)POSE * count * first;
     /* term k: its weight, times its coefficients of every variant */
     for (int k = first; k < last; k++) {
         const double own = weight * monomials[variants->term_monomials[k]];
-#pragma GCC unroll 8
-        for (int v = 0; v < count; v++, from += POSE) sums[v] += own * __builtin_convertvector(*(const singles *)from, eight);
-    }
-}
-
-/* sum_p P_p times the terms of product p, of all variants, (count, POSE). */
-__attribute__((always_inline)) static inline void add_all(const fingerfem_variants *variants, int count, const double *monomials,
-                                                          const double *products, double *found)
-{
-    eight sums[MOST] = {{0.0}};
-    for (int p = 0; p < variants->products; p++)
-        if (products[p] != 0.0) add_terms(variants, count, variants->starts[p], variants->starts[p + 1], products[p], monomials, sums);
-    memcpy(found, sums, (size_t)count * sizeof *sums);
-}
-
-/* Row p of all products: sum of M_k(F) coefficients_k over the terms of product p. */
-__attribute__((always_inline)) static inline void add_rows(const fingerfem_variants *variants, int count, const double *monomials,
-                                                           double *rows)
-{
-    for (int p = 0; p < variants->products; p++) {
-        eight sums[MOST] = {{0.0}};
-        add_terms(variants, count, variants->starts[p], variants->starts[p + 1], 1.0, monomials, sums);
-        memcpy(rows + (ptrdiff_t)POSE * count * p, sums, (size_t)count * sizeof *sums);
+        for (int v = 0; v < count; v++, from += POSE)
+            *(eight *)(found + POSE * v) += own * __builtin_convertvector(*(const singles *)from, eight);
     }
 }
 
 void variants_at(const fingerfem_variants *variants, const double *monomials, const double *wrench, double *work, double *found)
 {
     wrench_products(variants, wrench, work);
-    if (variants->count == MOST) add_all(variants, MOST, monomials, work, found);
-    else add_all(variants, variants->count, monomials, work, found);
+    memset(found, 0, (size_t)(POSE * variants->count) * sizeof *found);
+    /* sum_p P_p times the terms of product p */
+    for (int p = 0; p < variants->products; p++)
+        if (work[p] != 0.0) add_terms(variants, variants->starts[p], variants->starts[p + 1], work[p], monomials, found);
 }
 
 void variants_contract(const fingerfem_variants *variants, const double *monomials, double *work)
 {
+    const int row = POSE * variants->count;
     double *rows = work + variants->products;
-    if (variants->count == MOST) add_rows(variants, MOST, monomials, rows);
-    else add_rows(variants, variants->count, monomials, rows);
+    memset(rows, 0, (size_t)(row * variants->products) * sizeof *rows);
+    /* row p: sum of M_k(F) coefficients_k over the terms of product p */
+    for (int p = 0; p < variants->products; p++)
+        add_terms(variants, variants->starts[p], variants->starts[p + 1], 1.0, monomials, rows + (ptrdiff_t)row * p);
 }
 
 void variants_under(const fingerfem_variants *variants, const double *wrench, double *work, double *found)

@@ -1,1 +1,1 @@
-"""A finger in steps of time."""
+"""Motion of a finger in time steps."""

@@ -1,4 +1,4 @@
-"""The base of a moving finger: how it moves, and how it is turned in space."""
+"""Motion and rotation of the base of a moving finger."""
 
 from __future__ import annotations
 
@@ -7,23 +7,25 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from rom.brief import brief
 from rom.dataset.rigid_motion import BaseMotion
 from rom.files.checked_file import ModelError
 
-FASTEST = 0.3  # turn of the base in a step, above which the step is halved [rad]
+FASTEST = 0.3  # largest rotation of the base in a step; larger steps are halved [rad]
 RESTING = BaseMotion(np.zeros(3), np.zeros(3), np.zeros(3))
 
 
+@brief
 class Base(NamedTuple):
-    """The base at one time: how it moves, and its rotation, shape (3, 3)."""
+    """The base at one time: its motion, and its rotation, shape (3, 3)."""
 
     motion: BaseMotion
     rotation: np.ndarray
 
     def after(self, goal: BaseMotion, share: float, length: float) -> Base | None:
-        """The base at a share of the way to another motion [-], a time later [s]; None if it turns too far.
+        """Return the base after a time [s], at a share [-] between this motion and the goal; None above FASTEST.
 
-        It turns by its mean angular velocity.
+        It rotates at the mean angular velocity.
         """
         now = BaseMotion(*(share * end + (1 - share) * begin for begin, end in zip(self.motion, goal, strict=True)))
         turn = length * (self.motion.spin + now.spin) / 2
@@ -34,16 +36,16 @@ class Base(NamedTuple):
         return Base(now, self.rotation @ Rotation.from_rotvec(turn).as_matrix())
 
     def numbers(self, gravity: np.ndarray) -> np.ndarray:
-        """What compiled code takes, shape (9,), see segment.h; `gravity` is that in space, shape (3,) [m/s^2]."""
+        """Return the input of compiled code, shape (9,), see segment.h, for gravity in space, shape (3,) [m/s^2]."""
         acceleration, spin, rate = self.motion
         return np.concatenate([self.rotation.T @ gravity - acceleration, spin, rate])
 
 
 def checked(base: BaseMotion) -> BaseMotion:
-    """The same as arrays.
+    """Return a motion as arrays.
 
     Raises:
-        ModelError: not three numbers each.
+        ModelError: a field is not three finite numbers.
     """
     found = BaseMotion(*(np.array(one, float) for one in base))
     for name, one in zip(BaseMotion._fields, found, strict=True):

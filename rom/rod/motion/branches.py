@@ -1,6 +1,6 @@
-"""Viscoelastic branches of a finger's rubber, as compiled code takes them.
+"""Viscoelastic branches of a finger's rubber, as input of compiled code.
 
-A branch relaxes the shear modulus, as in the full-order model; the bulk stays. See rom/native/contact/relaxation.c.
+A branch relaxes the shear modulus, not the bulk modulus, as in the full-order model (rom/native/contact/relaxation.c).
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from rom.rod.compiled.motion import MOST_BRANCHES
 from rom.rod.rod import Rod
 
 LEAST, MOST = 1e-9, 1e9  # modulus over the law's own [-], and relaxation time [s]
-WHOLE = "saint-venant-kirchhoff"  # the law of which all stress relaxes
+WHOLE = "saint-venant-kirchhoff"  # law whose bulk modulus relaxes, too
 
 
 def branches_of(rod: Rod) -> dict[str, Any] | None:
-    """Moduli [-] and times [s], and the shear modulus over three bulk moduli [-]; None if the rubber is elastic.
+    """Return moduli [-], times [s], and the shear modulus over three bulk moduli [-]; None for elastic rubber.
 
     Raises:
-        ModelError: `material.prony` of the scene is no list of branches, or there are several materials.
+        ModelError: `material.prony` of the scene is not a list of branches, or there are several materials.
     """
     given, others = rod.scene["material"].get("prony"), rod.scene.get("materials") or []
     if others and (given is not None or any(one["material"].get("prony") for one in others)):

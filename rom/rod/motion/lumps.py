@@ -1,8 +1,8 @@
-"""The mass of a finger at its plates and sections.
+"""Mass of a finger, lumped at its plates and sections.
 
-The rubber within half an element of a section moves with it as a rigid body. A correction between both sections makes
-this the consistent mass of a beam that bends and shears (Przemieniecki, Theory of Matrix Structural Analysis, 1968,
-11.6). A few long elements then have the first frequencies of many.
+The rubber within half an element of a section moves with it as a rigid body. A correction between neighbouring sections
+yields the consistent mass of a Timoshenko beam (Przemieniecki, Theory of Matrix Structural Analysis, 1968, 11.6). The
+first frequencies of a few long elements are then as accurate as those of many.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from rom.dataset.sections.section import area, mean_squares
 from rom.rod.rod import Rod
 from rom.rod.scene.materials_of_rod import line_mass
 
-SHEAR = 0.85  # coefficient of a square's shear, and about that of a circle [-] (Cowper, J. Appl. Mech. 33, 1966)
+SHEAR = 0.85  # shear coefficient of a square, and about that of a circle [-] (Cowper, J. Appl. Mech. 33, 1966)
 
 
 @brief
 class Lumps(NamedTuple):
-    """The mass of a finger at its bodies: plates from clamp to tip, then sections as loads have them.
+    """Mass of a finger at its bodies: plates from clamp to tip, then sections in the order of loads.
 
     Attributes:
         masses: shape (n,) [kg].
         moments: first moments about the bodies' centres, in their frames, shape (n, 3) [kg m].
         inertias: likewise moments of inertia, shape (n, 3, 3) [kg m^2].
-        elements: corrections of the mass matrix, of the element between each body and the next towards the clamp: by
-            translations and turns of both in the frame between them, shape (n, 12, 12) [kg, kg m, kg m^2].
+        elements: corrections of the mass matrix for the element between each body and the next one towards the clamp,
+            by translations and rotations of both in the frame between them, shape (n, 12, 12) [kg, kg m, kg m^2].
     """
 
     masses: np.ndarray
@@ -38,10 +38,10 @@ class Lumps(NamedTuple):
 
 
 def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
-    """The mass of a finger by densities of its rubber and plates [kg/m^3]: halves of elements are their sections'.
+    """Return the mass of a finger for densities of its rubber and plates [kg/m^3].
 
     Raises:
-        ModelError: other materials have a centre of mass off the axis.
+        ModelError: the centre of mass of a section is not on the axis.
     """
     whole, (density, squares) = area(rod.scene), line_mass(rod.scene, density)
     steel = mean_squares(rod.scene)
@@ -100,7 +100,7 @@ def _element_mass(
         length: of its rubber [m].
         squares: means of y^2 and z^2 over its section [m^2].
         shear: Young's modulus over the shear modulus and its coefficient [-].
-        arms: how far the rubber begins behind the distal body's centre, and before the proximal one's [m].
+        arms: distances of the rubber's ends from the centres of the distal and the proximal body [m].
     """
     found = np.zeros((12, 12))
     nodes, weights = np.polynomial.legendre.leggauss(5)
@@ -129,9 +129,9 @@ def _rigid(numbers: np.ndarray) -> np.ndarray:
 
 
 def _bent(share: float, length: float, shear: float) -> tuple[np.ndarray, np.ndarray]:
-    """Deflection [-, m] and turn [1/m, -] of a beam's section at a share of its length, by those of both ends.
+    """Deflection [-, m] and rotation [1/m, -] of a beam's section at a share of its length, by those of both ends.
 
-    `shear` is 12 E I over k G A and the length squared.
+    `shear` is 12 E I / (k G A l^2).
     """
     x, b = share, 1 / (1 + shear)
     deflections = [

@@ -1,6 +1,6 @@
-"""A finger that moves: steps of time before rigid objects, on a base that may move.
+"""Motion of a finger in time steps, in contact with rigid objects, on a base that may move.
 
-Elements are as compliant as at rest, or viscoelastic, and have the consistent mass of beams between their sections.
+Elements have the compliance of their static laws, or viscoelastic branches, and the consistent mass of beams.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from rom.rod.motion.lumps import lumps_of
 from rom.rod.scene.materials_of_rod import DENSEST
 from rom.rod.touched_rod import TouchedRod
 
-HALVINGS = 8  # of a step that finds no answer
-ROUNDING = 1e-12  # of a step's length
-SHORTEST = 1e-6  # step, in which the tolerance of positions makes a kinetic energy of a nJ or less [s]
+HALVINGS = 8  # largest number for a step without a solution
+ROUNDING = 1e-12  # relative error of a step's length [-]
+SHORTEST = 1e-6  # shortest step, in which the tolerance of positions is a kinetic energy of at most a nJ [s]
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 
@@ -37,13 +37,13 @@ class MotionState:
     """Position and velocity of a finger at the end of a step, seen from its base.
 
     Attributes:
-        status: `out_of_domain` where the elements were not trained; `no_equilibrium` if the step has no solution,
-            however short: then the finger keeps its state from before the step, and numbers are nan.
-        time: [s].
+        status: `out_of_domain` outside the trained domain of the elements; `no_equilibrium` if the shortest step has no
+            solution: the finger then keeps its state from before the step, and numbers are nan.
+        time: at the end of the step [s].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         velocity: of the tip plate's centre, shape (3,) [m/s].
-        contact_forces: of every object against its direction, shape (m,) [N].
-        kinetic_energy: [J].
+        contact_forces: on every object against its direction, shape (m,) [N].
+        kinetic_energy: of the finger [J].
     """
 
     status: Status
@@ -55,27 +55,27 @@ class MotionState:
 
 
 class MovingFinger:
-    """A finger before objects in steps of time, begun at rest.
+    """A finger with frictionless objects, which moves in time steps from an equilibrium.
 
     Args:
-        model: the finger and its objects, without friction. Its weight acts if its scene has [gravity], and its rubber
-            relaxes if its scene has `material.prony`: all branches are relaxed at first.
-        parameters: tensions [N] and d [m] at which it rests, without contact, shape (t + m,).
-        density: of the rubber [kg/m^3]; that of [gravity] if left out.
+        model: the finger and its objects. Weight acts if the scene has [gravity], and rubber relaxes if the scene has
+            `material.prony`; all branches are relaxed initially.
+        parameters: tensions [N] and d [m] of the initial equilibrium without contact, shape (t + m,).
+        density: of the rubber [kg/m^3]; by default that of [gravity].
         plate_density: likewise of the plates.
-        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 damps nothing. While anything presses
-            it is 0: else lasting contact makes energy.
-        parts: into which interior elements are cut; more of them have more exact higher frequencies.
+        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. During contact it is
+            0, because lasting contact would otherwise create energy.
+        parts: number of parts of every interior element; more parts increase the accuracy of higher frequencies.
 
     Raises:
-        ModelError: no density, no equilibrium to begin with, or more sections than compiled code holds.
+        ModelError: no density, no initial equilibrium, or more sections than compiled code supports.
 
     Example:
         >>> finger = rom.MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0)
         >>> finger.step([20.0, 0.0, 0.02], 1e-3).tip
 
-    At small strain relaxation is exact for stretch, bending and twist; shear across the finger relaxes as bending does.
-    The rubber under a contact's point and the surface between sections are those of the relaxed rubber.
+    At small strain, relaxation is exact for stretch, bending and twist; shear across the finger relaxes like bending.
+    Indentation and the surface between sections are those of relaxed rubber.
     """
 
     def __init__(
@@ -140,13 +140,13 @@ class MovingFinger:
     def step(
         self, parameters: ArrayLike, length: float, base: BaseMotion | None = None, at_rest: bool = False
     ) -> MotionState:
-        """A step of time, in which parameters and the base's motion change linearly; without a solution it is halved.
+        """Advance by a time step with linear changes of parameters and base motion; halve it without a solution.
 
         Args:
-            parameters: at its end, tensions [N] and d [m]; infinite where an object is away, shape (t + m,).
-            length: [s].
-            base: how it moves at the step's end, as in a motion's file; None if it rests. Objects move with it.
-            at_rest: whether the step has no inertia and ends at rest, as long steps of creep should.
+            parameters: tensions [N] and d [m] at its end, shape (t + m,); an infinite d removes the object.
+            length: of the step [s].
+            base: motion of the base at the step's end; None for a base at rest. Objects move with the base.
+            at_rest: whether the step has no inertia and ends at rest, for long steps of creep.
 
         Raises:
             ModelError: another number of parameters, parameters that are not numbers, or a length below 1 µs.
@@ -178,7 +178,7 @@ class MovingFinger:
         return self._report(found._replace(inside=inside) if found else None)
 
     def frequencies(self, tensions: ArrayLike, count: int = 3) -> np.ndarray:
-        """Natural frequencies about the relaxed equilibrium at tensions, without objects, shape (count,) [Hz].
+        """Return natural frequencies about the relaxed equilibrium at tensions, without objects, shape (count,) [Hz].
 
         Raises:
             ModelError: the wrong number of tensions, or no stable equilibrium.

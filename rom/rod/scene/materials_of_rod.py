@@ -1,4 +1,4 @@
-"""The materials of a rod's scene: laws compared with those of its elements, and the mass of a section of several."""
+"""Materials of a rod's scene: comparison of laws with those of the elements, and mass of a composite section."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rom.dataset.sections.section import area, extent, mean_squares
 from rom.files.checked_file import ModelError
 from rom.rod.scene.section_of_rod import NEAR, equal
 
-# Powers of a modulus that a law's constants go with: 1 [Pa], -1 [1/Pa]; others have no unit.
+# Powers of a modulus by which constants of a law scale: 1 [Pa], -1 [1/Pa]; others have no unit.
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
 DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
 PLAIN = ("nu", "alpha")  # constants without a unit
@@ -34,10 +34,10 @@ class LineMass(NamedTuple):
 
 
 def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The other materials of a scene, as plain data: each all along the axis.
+    """Return the other materials of a scene as plain data; each extends all along the axis.
 
     Raises:
-        ModelError: one along a part of the axis, or a taper.
+        ModelError: a material along a part of the axis, or a taper.
         KeyError, TypeError, ValueError: a key is missing, or is no number.
     """
     found, geometry = [_checked(one) for one in scene.get("materials") or []], scene["geometry"]
@@ -47,8 +47,8 @@ def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
         begin, end = one.get("x") or (0.0, np.inf)
         if not (begin <= 0 and end >= plates_of(geometry)[-1, 0] * (1 - NEAR)):
             raise ModelError(
-                f"materials.{one['name']}.x must be left out of a rod's scene: its sections are alike all along the "
-                f"axis; the full-order model solves others (python3 -m fingerfem solve), got {one['x']}"
+                f"materials.{one['name']}.x must be left out of a rod's scene, whose sections are equal all along "
+                f"the axis, got {one['x']}: use the full-order model (python3 -m fingerfem solve)"
             )
     if found and any(ratio != 1 for ratio in geometry.get("taper") or []):
         raise ModelError(f"geometry.taper must be left out with several materials, got {geometry['taper']}")
@@ -70,16 +70,16 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def match_materials(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, modulus: float) -> None:
-    """Refuse other materials than those of the elements, in other regions, or of another stiffness over the rubber's.
+    """Refuse materials whose names, regions or stiffness ratios differ from those of the elements.
 
     Args:
         trained: the elements' scene.
         scene: of the finger.
-        size: of the finger over the elements' [-].
-        modulus: likewise of the rubber [-].
+        size: ratio of the finger's size to that of the elements [-].
+        modulus: ratio of the rubber's moduli [-].
 
     Raises:
-        ModelError: one line with both values.
+        ModelError: a difference, with both values.
     """
     own, others = ({one["name"]: one for one in table.get("materials") or []} for table in (scene, trained))
     if own.keys() != others.keys():
@@ -103,12 +103,12 @@ def match_materials(trained: Mapping[str, Any], scene: Mapping[str, Any], size: 
 
 
 def line_mass(scene: Mapping[str, Any], rubber: float) -> LineMass:
-    """The mass of a section, of rubber of a density [kg/m^3] and of other materials of theirs.
+    """Return the mass of a section, with the rubber's density [kg/m^3] and the scene's densities of other materials.
 
-    A material that is heavier than the rubber by r in an area A adds r A to the mass.
+    A material of area A whose density exceeds that of the rubber by r adds r A.
 
     Raises:
-        ModelError: its centre is off the axis, on which a rod has mass.
+        ModelError: the centre of mass is not on the axis.
     """
     whole = area(scene)
     mass, first, second = rubber * whole, np.zeros(2), rubber * whole * mean_squares(scene)
@@ -118,7 +118,7 @@ def line_mass(scene: Mapping[str, Any], rubber: float) -> LineMass:
         mass, first, second = mass + heavier, first + heavier * centre, second + heavier * squares
     if np.abs(first).max() > NEAR * mass * extent(scene):
         raise ModelError(
-            "materials must have a centre of mass on the axis, about which a rod has weight and inertia, "
+            "materials must have a centre of mass on the axis, "
             f"got y = {first[0] / mass:.3g}, z = {first[1] / mass:.3g} m"
         )
     return LineMass(mass / whole, second / mass)
@@ -150,10 +150,10 @@ def rescaled_law(material: Mapping[str, Any], modulus: float) -> dict[str, Any]:
 
 
 def modulus_of(trained: Mapping[str, Any], material: Mapping[str, Any]) -> float:
-    """By how much a material is stiffer than that of the elements [-].
+    """Return the ratio of a material's moduli to those of the elements [-].
 
     Raises:
-        ModelError: another law, or other ratios of its constants: one line with both values.
+        ModelError: another law, or other ratios of its constants, with both values.
     """
     law, other = (one.get("law", "neo-hookean") for one in (material, trained))
     if law != other:

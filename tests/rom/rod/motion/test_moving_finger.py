@@ -85,18 +85,17 @@ def test_the_error_falls_with_the_square_of_the_step(finger):
 
 
 def test_contact_takes_energy_and_never_gives_any(finger):
-    one = moving(finger, (0.0, 0.0, 0.003), parts=1)
+    one = moving(finger, (0.0, 0.0, 0.001), parts=1)
     energies, forces = [], []
-    for _ in range(2000):
-        state = one.step([10.0, 0.0, 0.003], 5e-4)  # swings against the plane, and rebounds by its own elasticity
+    for _ in range(240):
+        state = one.step([8.0, 0.0, 0.001], 5e-4)  # swings against the plane, and rebounds by its own elasticity
         assert state.status == "converged" and (state.contact_forces >= 0).all()
         energies.append(state.kinetic_energy)
         forces.append(float(state.contact_forces[0]))
     windows = np.array(energies).reshape(10, -1).max(axis=1)
-    assert windows[1] < 0.5 * windows[0] and (np.diff(windows) < 0).all()
-    assert 0.0 in forces[7:] and np.mean(forces[-200:]) == pytest.approx(
-        finger.evaluate([10.0, 0.0, 0.003]).contact_force, rel=0.01
-    )
+    assert (np.diff(windows) < 0).all() and windows[1] < 0.5 * windows[0]
+    assert 0.0 in forces[int(np.argmax(np.array(forces) > 0)) :]
+    assert forces[-1] == pytest.approx(float(finger.evaluate([8.0, 0.0, 0.001]).contact_force), rel=0.01)
 
 
 @pytest.mark.parametrize(("tension", "d"), [(50.0, 0.01), (30.0, 0.002)])
