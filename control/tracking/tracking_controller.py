@@ -33,7 +33,8 @@ class TrackingController:
         tensions: current command, reached at row `row` of the path, shape (t,) [N].
         row: of the path at the end of the current command.
         status: "moving"; "done" after the last row; "unreachable" if the plan is refused, and the tensions stay;
-            "sensor_failed" after PATIENCE periods without a usable reading, while the plan continues without feedback.
+            "sensor_failed" after PATIENCE periods without a usable reading, while the plan continues without feedback;
+            it stays so after the last row.
         reason: of a refused path, in one line.
         plan: of the path, see `control.tracking.plan`.
 
@@ -81,7 +82,7 @@ class TrackingController:
         self.reason, self.status = self.plan.reason, "unreachable" if self.plan.reason else "moving"
         self.row, self.tensions = 1, self.plan.tensions[0 if self.reason else 1].copy()
         self._inputs, self._at, self._blind = np.zeros((len(rows), 2)), 1, 0
-        self._state, self._unknown = np.zeros(len(system.a)), np.zeros(4)
+        self._state, self._unknown, self._ended = np.zeros(len(system.a)), np.zeros(4), False
 
     @property
     def inertia(self) -> np.ndarray:
@@ -96,7 +97,7 @@ class TrackingController:
     @property
     def done(self) -> bool:
         """Whether the path has ended or is refused."""
-        return self.status in ("done", "unreachable")
+        return self._ended or self.status == "unreachable"
 
     def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
         """Return the next tensions, shape (t,) [N].
@@ -110,7 +111,7 @@ class TrackingController:
             return self.tensions.copy()
         self._observe(across(tip), felt, age)
         if self.row + 1 == len(self._inputs):
-            self.status = "done"
+            self._ended, self.status = True, "done" if self.status == "moving" else self.status
             return self.tensions.copy()
         state = self._predicted()
         self.row += 1

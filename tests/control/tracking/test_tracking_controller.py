@@ -69,6 +69,7 @@ def test_one_tendon_leads_the_tip_along_its_own_line(finger):
     assert controller.reason == ""
     found = track(controller, moving(one, controller, Flaws(period=PERIOD, delay=1)))
     assert found.errors(path).max() < 0.002 * np.ptp(path[:, 0])
+    assert controller.status == "done" and controller.row == 59
 
 
 @pytest.mark.parametrize(("modulus", "density"), [(1.1, 0.9), (0.9, 1.1)])
@@ -130,6 +131,10 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
         blind.step(np.full(3, np.nan))
         assert blind.tensions == pytest.approx(made.plan.tensions[2 + k], abs=1e-12)
     assert blind.status == "sensor_failed"
+    again = copy.deepcopy(blind)
+    while not again.done:
+        again.step(np.full(3, np.nan))
+    assert again.status == "sensor_failed"
     blind.step([0.047, *PATH[31]])
     assert blind.status == "moving" and np.isfinite(blind.tensions).all()
     with pytest.raises(ValueError, match=r"tip must be x, y and z, got shape \(2,\)"):
