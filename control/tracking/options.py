@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+LEAST, MOST = 1e-9, 1e9  # of what a filter's gains are made of [m, m/s^0.5, -]
+
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingOptions:
@@ -36,7 +38,10 @@ class TrackingOptions:
     most_force: float = np.inf
 
     def __post_init__(self) -> None:
-        for name in ("period", "noise", "drift", "effort", "correction", "feel"):
+        for name in ("noise", "drift", "effort"):
+            if not LEAST <= getattr(self, name) <= MOST:
+                raise ValueError(f"{name} must be from {LEAST:g} to {MOST:g}, got {getattr(self, name)}")
+        for name in ("period", "correction", "feel"):
             if not 0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name} must be finite and above 0, got {getattr(self, name)}")
         if not 0 <= self.pretension <= 1:

@@ -175,6 +175,8 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
             {"period": 2e-5},
             r"period must be at least 7.*e-05 s, 256 of which last as long as the finger's lowest mode",
         ),
+        (PATH, {"noise": 1e-300}, "noise must be from 1e-09 to 1e.09, got 1e-300"),
+        (PATH, {"drift": np.nan}, "drift must be from"),
         (PATH, {"pretension": 2.0}, "pretension must be from 0 to 1, got 2.0"),
     ],
 )
