@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from rom import MovingFinger, Rod, TouchedSegment
-from rom.bundled import file_of
+from rom.build import train_rod
 from rom.error_statistics import quantiles
 from rom.rod.objects.shapes import facing_plane
-from studies.parts import Run
+from studies import sets
+from studies.parts import ROOT, Run
 
 DENSITY, SEED = 1070.0, 44  # of the rubber [kg/m^3]
 STATES, LARGEST = 10, (5.0, 3.0, 0.0, 0.0)  # for frequencies: their number, and tensions up to these [N]
@@ -41,9 +42,15 @@ FILTER = 1e-3  # mean of the impact's force over this time [s]
 HALVINGS, FINE = (5e-4, 2.5e-4, 1.25e-4), 1.5625e-5  # steps of the order of convergence, and of its reference [s]
 
 
-def table(prony: list[list[float]] | None = None, before_plane: bool = False) -> dict[str, Any]:
-    """The full-order scene of the bundled square finger without weight."""
-    known = Rod.load(file_of("square")).elements.scene
+def trained(run: Run) -> Rod:
+    """The bundled square finger without weight, and without the states of a finer mesh."""
+    text = (ROOT / "scenes" / "silicone" / "square_pressed.toml").read_text()
+    return train_rod(sets.training(sets.written(run.sets, "square silicone", text)), {}, [])
+
+
+def table(rod: Rod, prony: list[list[float]] | None = None, before_plane: bool = False) -> dict[str, Any]:
+    """Its full-order scene."""
+    known = rod.elements.scene
     found = {name: one for name, one in known.items() if name not in ("load", "sampling", "coarse") and one}
     found["density"] = {"rubber": DENSITY}
     if prony:
@@ -53,11 +60,12 @@ def table(prony: list[list[float]] | None = None, before_plane: bool = False) ->
     return found
 
 
-def rod_of(scene: dict[str, Any]) -> TouchedSegment:
+def touching(rod: Rod, scene: dict[str, Any]) -> TouchedSegment:
     """The rod of a scene, before the plane."""
     given = {name: scene[name] for name in ("material", "geometry", "tendons")}
-    rod = Rod(elements=Rod.load(file_of("square")).elements, scene=given)
-    return TouchedSegment(rod=rod, obstacle=facing_plane(scene["geometry"]["side"], DISTANCES))
+    return TouchedSegment(
+        rod=Rod(elements=rod.elements, scene=given), obstacle=facing_plane(scene["geometry"]["side"], DISTANCES)
+    )
 
 
 def full_order(scene: dict[str, Any], motion: dict[str, Any]) -> tuple[Any, dict[str, np.ndarray]]:
@@ -73,9 +81,9 @@ def full_order(scene: dict[str, Any], motion: dict[str, Any]) -> tuple[Any, dict
     return given, {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def followed(scene: dict[str, Any], given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
+def followed(rod: Rod, scene: dict[str, Any], given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
     """States of the rod at times but the first; where loads jump, a short step comes first."""
-    model = rod_of(scene)
+    model = touching(rod, scene)
 
     def point(time: float, after: bool = False) -> np.ndarray:
         tensions, d = given.loads(time, after)
@@ -89,12 +97,12 @@ def followed(scene: dict[str, Any], given: Any, times: np.ndarray, at_rest: bool
         yield finger.step(point(now), now - finger.time, base, at_rest=at_rest)
 
 
-def tips(name: str) -> dict[str, Any]:
+def tips(name: str, rod: Rod) -> dict[str, Any]:
     """A motion: root mean square of the tip's error, over its largest displacement from where it began."""
-    scene = table(PRONY)
+    scene = table(rod, PRONY)
     given, full = full_order(scene, {"time": TIME} | MOTIONS[name])
     theirs = np.array([full[f"tip_{axis}"] for axis in "xyz"]).T
-    states = list(followed(scene, given, full["time"]))
+    states = list(followed(rod, scene, given, full["time"]))
     error = np.linalg.norm([one.tip for one in states] - theirs[1:], axis=1)
     way = np.linalg.norm(theirs - theirs[0], axis=1).max()
     return {
@@ -105,11 +113,11 @@ def tips(name: str) -> dict[str, Any]:
     }
 
 
-def impact() -> dict[str, Any]:
+def impact(rod: Rod) -> dict[str, Any]:
     """Relative errors of an impact's peak force, filtered, and of its impulse."""
-    scene = table(PRONY, before_plane=True)
+    scene = table(rod, PRONY, before_plane=True)
     given, full = full_order(scene, IMPACT)
-    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(scene, given, full["time"]))]
+    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(rod, scene, given, full["time"]))]
     forces, steps = (full["contact_force"], np.array(ours)), round(FILTER / SHORT)
     peaks = [float(np.convolve(one, np.ones(steps) / steps, "same").max()) for one in forces]
     impulses = [float(np.trapezoid(one, full["time"])) for one in forces]
@@ -121,11 +129,11 @@ def impact() -> dict[str, Any]:
     }
 
 
-def held() -> dict[str, Any]:
+def held(rod: Rod) -> dict[str, Any]:
     """An hour against the plane, in steps of a minute: relative errors of force and tip at its end."""
-    scene = table(SLOW, before_plane=True)
+    scene = table(rod, SLOW, before_plane=True)
     given, full = full_order(scene, HELD)
-    *_, last = followed(scene, given, full["time"], at_rest=True)
+    *_, last = followed(rod, scene, given, full["time"], at_rest=True)
     tip = np.array([full[f"tip_{axis}"][-1] for axis in "xyz"])
     return {
         "force": float(last.contact_forces[0] / full["contact_force"][-1] - 1),
@@ -134,21 +142,21 @@ def held() -> dict[str, Any]:
     }
 
 
-def frequencies() -> list[dict[str, float]]:
+def frequencies(rod: Rod) -> list[dict[str, float]]:
     """The first three about random states: quantiles of relative errors."""
     from fingerfem.dynamics.modes import ModalAnalysis
     from fingerfem.scene.scene import Scene
 
-    full, model = ModalAnalysis(Scene.model_validate(table())), rod_of(table())
+    full, model = ModalAnalysis(Scene.model_validate(table(rod))), touching(rod, table(rod))
     finger = MovingFinger(model, np.append(np.zeros(len(LARGEST)), np.inf), DENSITY)
     tensions = np.random.default_rng(SEED).uniform(0, LARGEST, (STATES, len(LARGEST)))
     errors = [np.abs(finger.frequencies(one) / full.solve(one, count=3).frequencies - 1) for one in tensions]
     return [quantiles(own) for own in np.array(errors).T]
 
 
-def order() -> list[float]:
+def order(rod: Rod) -> list[float]:
     """Exponents by which the rod's error falls as steps are halved."""
-    model = rod_of(table(PRONY))
+    model = touching(rod, table(rod, PRONY))
 
     def tip(length: float) -> np.ndarray:
         finger, count = MovingFinger(model, np.append(np.zeros(len(LARGEST)), np.inf), DENSITY), round(0.02 / length)
@@ -161,7 +169,7 @@ def order() -> list[float]:
     return [float(np.log2(one / other)) for one, other in pairwise(errors)]
 
 
-def step_times() -> dict[str, float]:
+def step_times(rod: Rod) -> dict[str, float]:
     """Medians of a step's time from Python, free, in contact and with branches, over that of an answer at rest [-]."""
 
     def median(call: Any, count: int = 1000) -> float:
@@ -172,21 +180,22 @@ def step_times() -> dict[str, float]:
             taken.append(time.perf_counter() - begun)
         return float(np.median(taken))
 
-    model, found = rod_of(table()), {}
+    model, found = touching(rod, table(rod)), {}
     answer = median(lambda: model.evaluate([4.0, 1.0, 0.0, 0.0, 0.006]))
     for name, prony, d in (("free", None, np.inf), ("contact", None, 0.006), ("branches", PRONY, 0.006)):
-        finger = MovingFinger(rod_of(table(prony)), [0.0, 0.0, 0.0, 0.0, d], DENSITY)
+        finger = MovingFinger(touching(rod, table(rod, prony)), [0.0, 0.0, 0.0, 0.0, d], DENSITY)
         found[name] = median(lambda finger=finger, d=d: finger.step([4.0, 1.0, 0.0, 0.0, d], 1e-3)) / answer
     return found | {"answer": 1e6 * answer}
 
 
 def measure(run: Run) -> dict[str, Any]:
     """All of it, part by part."""
+    rod = trained(run)
     return {
-        "frequencies": run.once("frequencies", frequencies),
-        "tips": {name: run.once(name, tips, name) for name in MOTIONS},
-        "impact": run.once("impact", impact),
-        "held": run.once("held", held),
-        "order": run.once("order", order),
-        "times": run.once("times", step_times),
+        "frequencies": run.once("frequencies", frequencies, rod),
+        "tips": {name: run.once(name, tips, name, rod) for name in MOTIONS},
+        "impact": run.once("impact", impact, rod),
+        "held": run.once("held", held, rod),
+        "order": run.once("order", order, rod),
+        "times": run.once("times", step_times, rod),
     }
