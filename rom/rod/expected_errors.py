@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
 # of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
-FORCE, PLACE, SHORTENING, TURN = 0.05, 5e-3, 4e-3, 0.03
+FORCE, PLACE, SHORTENING, TURN = 0.05, 7e-3, 4e-3, 0.03
 AXES = 3  # along each of which the floor of a place acts
 
 
