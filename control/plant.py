@@ -72,7 +72,7 @@ class Sensor:
         self._past: list[tuple[float, np.ndarray | None]] = []
 
     def read(self, contact_force: float, tip: np.ndarray | None = None) -> float:
-        """What it says of a contact force [N] and of a tip, shape (3,) [m], now."""
+        """Return the reading of a contact force [N]; `tip` is then that of the tip, shape (3,) [m]."""
         flaws, now = self._flaws, (contact_force, tip)
         self._past = [*self._past[-flaws.delay :], now] if flaws.delay else [now]
         self.age = flaws.period * (len(self._past) - 1)

@@ -49,7 +49,7 @@ def packed_reading(reading: Reading) -> bytes:
 
 
 def command_of(datagram: bytes, tendons: int) -> Command | None:
-    """The command of a datagram; None if it is none for so many tendons, or a value is not finite."""
+    """Return the command in a datagram; None if its length or kind is wrong, or a value is not finite."""
     layout = f"<QB{tendons}d"
     if len(datagram) != struct.calcsize(layout):
         return None

@@ -128,7 +128,7 @@ def _unreached(goals: np.ndarray, missed: np.ndarray, bounds: tuple[np.ndarray, 
 
 
 def _refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
-    """Reason to refuse tensions that reach their goals, with the worst row; empty if there is none."""
+    """Return the reason to refuse tensions, with the worst row; empty if they are accepted."""
     if not inside.all():
         k = int(np.argmin(inside))
         return f"path row {k} must lie in the trained domain, got tensions {listed(tensions[k])} N: move the path"

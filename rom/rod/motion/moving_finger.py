@@ -64,7 +64,7 @@ class MovingFinger:
         density: of the rubber [kg/m^3]; by default that of [gravity].
         plate_density: likewise of the plates.
         radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. During contact it is
-            0, because lasting contact would otherwise create energy.
+            0, because lasting contact would otherwise create energy. Contact of rubber may still create a little.
         parts: number of parts of every interior element; more parts increase the accuracy of higher frequencies.
 
     Raises:
