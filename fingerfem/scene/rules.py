@@ -64,9 +64,7 @@ def check_chambers(scene: Scene) -> None:
 
 def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
     """A chamber lies between the ends of one segment's rubber, apart from others of the same region."""
-    begins = [0.0, *(end for _, end in scene.outline.plates)]
-    spans = list(zip(begins, (begin for begin, _ in scene.outline.plates), strict=False))
-    near = scene.outline.tolerance
+    spans, near = _rubber(scene), scene.outline.tolerance
     if not any(a - near <= chamber.x[0] and chamber.x[1] <= b + near for a, b in spans):
         where = " or ".join(f"[{a:g}, {b:g}]" for a, b in spans)
         raise ValueError(f"chambers.{k}.x must lie in the rubber of one segment, {where} m, got {chamber.x}")
@@ -84,14 +82,21 @@ def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
             )
 
 
+def _rubber(scene: Scene) -> list[tuple[float, float]]:
+    """Where the rubber of every segment begins and ends [m]."""
+    begins = [0.0, *(end for _, end in scene.outline.plates)]
+    return list(zip(begins, (begin for begin, _ in scene.outline.plates), strict=False))
+
+
 def _check_ends(scene: Scene, k: int, chamber: Chamber) -> None:
-    """Of a finger that elements are trained on, a chamber ends within their end pieces, and not at the clamp."""
-    side, last = END * scene.geometry.side, scene.outline.plates[-1][0]
-    near = scene.outline.tolerance
-    if not (near < chamber.x[0] < side + near and last - side - near < chamber.x[1]):
+    """Of a finger with a load, a chamber ends within the end pieces of a segment's elements, and not at its clamp."""
+    side, near = END * scene.geometry.side, scene.outline.tolerance
+    first, last = next((a, b) for a, b in _rubber(scene) if chamber.x[1] <= b + near)
+    if not (near < chamber.x[0] - first < side + near and last - side - near < chamber.x[1]):
         raise ValueError(
-            f"chambers.{k}.x must begin within one side of the clamp, not at it, and end within one side of the plate, "
-            f"(0, {side:g}] and [{last - side:g}, {last:g}] m, where elements are trained (load), got {chamber.x}"
+            f"chambers.{k}.x must begin within one side of its segment's clamp, not at it, and end within one side of "
+            f"the plate, ({first:g}, {first + side:g}] and [{last - side:g}, {last:g}] m, where elements are trained "
+            f"(load), got {chamber.x}"
         )
 
 

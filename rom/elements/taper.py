@@ -88,7 +88,7 @@ def tapered_pieces(
 
 
 def _frusta(rubber: TaperedRubber, span: tuple[float, float], longest: float) -> list[Piece]:
-    """Fewest interior elements between two distances from the clamp, from the plate to the clamp; at most MOST_ELEMENTS.
+    """Fewest interior elements between two distances from the clamp, from plate to clamp; at most MOST_ELEMENTS.
 
     Their ratios of end sizes are equal, and their lengths at most `longest` times their size [m].
     """

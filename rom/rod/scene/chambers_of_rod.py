@@ -42,8 +42,8 @@ def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
 def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, moduli: np.ndarray) -> list[int]:
     """Which chamber of the elements every chamber of a finger is.
 
-    A chamber ends as far from its segment's clamp and plate as that of the elements does. Every segment has all chambers
-    of the elements, whose voids it has.
+    A chamber ends as far from its segment's clamp and plate as that of the elements does. Every segment has each of the
+    elements' chambers, whose voids it has.
 
     Args:
         trained: the elements' scene.
