@@ -159,11 +159,6 @@ def check_materials(scene: Scene) -> None:
                     f"materials.{k}.x must be at least a hundredth of the side ({least:g} m) long and end on the "
                     f"finger, at most at {scene.geometry.length:g} m, got {one.x}"
                 )
-            if scene.load is not None and (one.x[0] > 0 or one.x[1] < scene.outline.plates[-1][0]):
-                raise ValueError(
-                    f"materials.{k}.x must be left out of a scene with a load: rod elements have one section all along "
-                    f"the axis, got {one.x}"
-                )
         if one.centre is not None and one.size is not None:
             beyond = np.abs(one.centre) + np.array(one.size) / 2 - np.array(shape.extents) / 2
             if beyond.max() > scene.outline.tolerance:

@@ -29,6 +29,9 @@ class Piece(NamedTuple):
     material: str | None = None
     modulus: float = 1.0
 
+    def __str__(self) -> str:
+        return self.kind if self.material is None else f"{self.kind} ({self.material}, {self.modulus:g} x as stiff)"
+
     @property
     def size(self) -> float:
         """Of the prismatic element that stands for it [-]: of the same compliance in bending by a tendon.

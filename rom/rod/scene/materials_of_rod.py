@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.dataset.geometry import plates_of
+from rom.dataset.geometry import is_all_along
 from rom.dataset.sections.section import area, extent, mean_squares
 from rom.files.checked_file import ModelError
 from rom.rod.scene.section_of_rod import NEAR, equal
@@ -46,10 +46,10 @@ def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
     if len({one["name"] for one in found}) < len(found):
         raise ModelError(f"materials must differ in their names, got {[one['name'] for one in found]}")
     for one in found:
-        begin, end = one.pop("x", None) or (0.0, np.inf)
-        if begin <= 0 and end >= plates_of(geometry)[-1, 0] * (1 - NEAR):
+        x = one.pop("x", None)
+        if is_all_along(geometry, x):
             continue
-        one["x"] = [float(begin), float(end)]
+        begin, end = one["x"] = [float(part) for part in x]
         if not begin < end:
             raise ModelError(f"materials.{one['name']}.x must be [from, to] with from < to, got {one['x']}")
         if one["region"] != "section":

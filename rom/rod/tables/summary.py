@@ -17,7 +17,7 @@ def tables(rod: Rod) -> list[Table | str]:
     """For people: its segments, tendons, and how well its elements predict what was left out."""
     left_out = rod.elements.provenance["left_out"]
     rows = [
-        [str(k + 1), f"{1e3 * length:g}", ", ".join(piece.kind for piece in reversed(own))]
+        [str(k + 1), f"{1e3 * length:g}", ", ".join(map(str, reversed(own)))]
         for k, (length, own) in enumerate(zip(rod.scene["geometry"]["segments"], rod.pieces, strict=True))
     ]
     force, free = left_out["contact_force"], left_out["free_place_m"]

@@ -12,6 +12,7 @@ from rom.rod.rod import Rod
 from rom.rod.scene.scene_of_rod import of_tables, rescaled
 from rom.rod.touched_rod import AmongObjects
 from rom.rod.weight import weight_of
+from rom.summaries import rod_summary
 from tests.rom.elements import elastic_rod
 
 LAW = elastic_rod.scene()["material"]
@@ -108,8 +109,11 @@ def test_mass_is_that_of_the_materials(finger):
     assert lumps_of(heavy, 1000.0, 0.0).masses.sum() == pytest.approx(moving)
 
 
-def test_answers_of_a_saved_finger_stay(finger, tmp_path):
+def test_answers_of_a_saved_finger_stay_and_tables_name_its_materials(finger, tmp_path):
     one = made(finger, stiff(0.012, 0.03, 3.0))
+    text = "\n".join(part if isinstance(part, str) else part.text for part in one.tables())
+    assert "clamp, interior, interior (stiff, 3 x as stiff)" in text
+    assert {"material": "stiff", "modulus_over_rubber": 3.0}.items() <= rod_summary(one)["segments"][0][2].items()
     one.save(tmp_path / "finger.h5")
     assert np.array_equal(Rod.load(tmp_path / "finger.h5").place(PULLED).centres, one.place(PULLED).centres)
 
