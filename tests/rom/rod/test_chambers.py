@@ -132,21 +132,9 @@ def test_chambers_that_the_elements_do_not_have_are_refused(chambered, scene, ru
         chambered.assembled(scene)
 
 
-def two_segments(**changes) -> dict:
-    """The rod twice, with the tendon along both, and in the second segment chambers p3 and p4."""
-    scene, length = one.scene(), one.scene()["geometry"]["segments"][0]
-    scene["geometry"] |= {"segments": [length, length]}
-    scene["tendons"] = [tendon | {"segment": 2} for tendon in scene["tendons"]]
-    scene["chambers"] += [
-        chamber | {"name": f"p{k}", "x": [length + part for part in chamber["x"]]}
-        for k, chamber in enumerate(scene["chambers"], 3)
-    ]
-    return scene | changes
-
-
 def test_every_segment_bends_by_its_own_chambers(chambered):
     """Without a wrench, the second plate seen from the first is that of one segment under its own loads."""
-    finger, loads = chambered.assembled(two_segments()), np.array([4.0, 4e5, 1e5, 0.5e5, 3e5])
+    finger, loads = chambered.assembled(one.two_segments()), np.array([4.0, 4e5, 1e5, 0.5e5, 3e5])
     found, half = finger.place(loads), finger.half_lengths[0]
     for k, own in enumerate(([0, 1, 2], [0, 3, 4])):
         alone = chambered.place(loads[own])
@@ -162,7 +150,7 @@ def test_every_segment_bends_by_its_own_chambers(chambered):
 
 
 def test_contact_of_a_second_segment_differentiates_by_all_pressures(chambered):
-    model = TouchedSegment(rod=chambered.assembled(two_segments()), obstacle=plane(0.010))
+    model = TouchedSegment(rod=chambered.assembled(one.two_segments()), obstacle=plane(0.010))
     point = np.array([1.0, 3e5, 10.0, 3e5, 10.0, 0.0])
     out, jacobian = model.value_and_jacobian(point)
     assert out[3] > 1e-3
@@ -175,7 +163,7 @@ def test_contact_of_a_second_segment_differentiates_by_all_pressures(chambered):
 
 
 def test_every_segment_has_the_chambers_of_the_elements(chambered):
-    scene = two_segments()
+    scene = one.two_segments()
     with pytest.raises(ModelError, match=r"chambers in segment 2 must be .*, each once \(2 of them\), got p3"):
         chambered.assembled(scene | {"chambers": scene["chambers"][:3]})
     across = scene["chambers"][0] | {"x": [0.002, 0.097]}
@@ -220,7 +208,7 @@ def test_chambers_have_no_weight(chambered):
     volume = 0.010**2 * (0.050 - 0.001) - 2 * one.AREA * (one.X[1] - one.X[0])
     assert weight_of(heavy).masses.sum() == pytest.approx(1000.0 * volume, rel=1e-9)
     assert heavy.place([0.0, 0.0, 0.0]).centres[0, 1] < -1e-7
-    two = chambered.assembled(two_segments(gravity=gravity))
+    two = chambered.assembled(one.two_segments(gravity=gravity))
     assert weight_of(two).masses == pytest.approx(np.tile(weight_of(heavy).masses, 2), rel=1e-9)
     with pytest.raises(ModelError, match=r"gravity must be left out with chambers on one side: .* got chambers p1"):
         chambered.assembled(one.scene() | {"gravity": gravity, "chambers": one.scene()["chambers"][:1]})
