@@ -20,7 +20,8 @@ class Piece(NamedTuple):
     """An element of a segment: its kind, and its length at rest [m].
 
     `ends` are the sizes of its distal and of its proximal section, over those of a finger without taper [-]. `material`
-    names another material than the segment's rubber, which is `modulus` times as stiff [-].
+    names another material than the segment's rubber, which is `modulus` times as stiff [-]. `hindered` are shares of a
+    clamp's effect at both ends, see `rom.elements.transition`.
     """
 
     kind: str
@@ -28,6 +29,7 @@ class Piece(NamedTuple):
     ends: tuple[float, float] = (1.0, 1.0)
     material: str | None = None
     modulus: float = 1.0
+    hindered: tuple[float, float] = (0.0, 0.0)
 
     def __str__(self) -> str:
         return self.kind if self.material is None else f"{self.kind} ({self.material}, {self.modulus:g} x as stiff)"
@@ -116,6 +118,12 @@ def cut(own: list[Piece], parts: int) -> list[Piece]:
     for piece in own:
         count = parts if piece.kind == INTERIOR else 1
         sizes = np.linspace(*piece.ends, count + 1).tolist()
-        part = piece._replace(length=piece.length / count)
-        found += [part._replace(ends=(sizes[k], sizes[k + 1])) for k in range(count)]
+        part, (distal, proximal) = piece._replace(length=piece.length / count), piece.hindered
+        found += [
+            part._replace(
+                ends=(sizes[k], sizes[k + 1]),
+                hindered=(distal if k == 0 else 0.0, proximal if k == count - 1 else 0.0),
+            )
+            for k in range(count)
+        ]
     return found

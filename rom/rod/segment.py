@@ -18,6 +18,7 @@ from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 from rom.elements.taper import shear_by_bending, tapered
+from rom.elements.transition import with_transitions
 from rom.files.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.rod import compiled
@@ -186,7 +187,10 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     scales = {(one.size, one.modulus) for one in pieces}
     by_scale = {one: elements if one == (1, 1) else elements.scaled(*one) for one in scales}
     scaled = {one: by_scale[one.size, one.modulus] for one in pieces}
-    laws = {one: own.laws[one.kind].of_length(one.length).only(trained) for one, own in scaled.items()}
+    laws = {
+        one: with_transitions(own.laws[one.kind].of_length(one.length), one, own.laws).only(trained)
+        for one, own in scaled.items()
+    }
     geometry = elements.scene["geometry"]
     if any(one.ends[0] != one.ends[1] for one in pieces):
         shear = shear_by_bending(elements.laws[INTERIOR])

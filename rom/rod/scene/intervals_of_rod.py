@@ -10,6 +10,7 @@ import numpy as np
 
 from rom.dataset.geometry import rubber_of
 from rom.elements.pieces import Piece
+from rom.elements.transition import hindered_share
 from rom.files.checked_file import ModelError
 from rom.rod.scene.materials_of_rod import along, modulus_of
 from rom.rod.scene.section_of_rod import NEAR
@@ -91,4 +92,9 @@ def with_materials(own: Sequence[Piece], intervals: Sequence[Interval]) -> list[
         middle = end - piece.length / 2
         interval = next((one for one in intervals if one.begin < middle < one.end), None)
         found.append(piece if interval is None else piece._replace(material=interval.name, modulus=interval.modulus))
-    return found
+    moduli = [one.modulus for one in found]
+    distal, proximal = [moduli[0], *moduli[:-1]], [*moduli[1:], moduli[-1]]
+    return [
+        one._replace(hindered=(hindered_share(one.modulus, before), hindered_share(one.modulus, behind)))
+        for one, before, behind in zip(found, distal, proximal, strict=True)
+    ]
