@@ -23,7 +23,7 @@ from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 from rom.files.checked_file import ModelError
 
-ACROSS = (1, 5, -1), (2, 4, 1)  # displacement across the axis, the turn that has it as its lever's, and its sign
+ACROSS = (1, 5, 1), (2, 4, -1)  # displacement across the axis, the turn that has it as its lever's, and its sign
 
 
 def with_transitions(element: ElementMap, piece: Piece, laws: Mapping[str, ElementLaw]) -> ElementMap:
