@@ -34,8 +34,8 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
         modulus: of the finger's rubber over that of the elements [-].
 
     Raises:
-        ModelError: another law than the elements', other ratios of its constants, an overlap, or elements of several
-            materials.
+        ModelError: another law than the elements', other ratios of its constants, an overlap, chambers, or elements of
+            several materials.
     """
     found = list[Interval]()
     for one in scene.get("materials") or []:
@@ -45,6 +45,11 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
             raise ModelError(
                 f"materials.{one['name']}.x must be left out where elements are of several materials, got {one['x']} "
                 f"beside {others[0]['name']}"
+            )
+        if chambers := scene.get("chambers"):
+            raise ModelError(
+                f"materials.{one['name']}.x must be left out of a rod with chambers, as their ends are part of what its "
+                f"clamp piece shows, got {one['x']} with {chambers[0]['name']}"
             )
         try:
             stiffer = modulus_of(trained["material"], one["material"])
