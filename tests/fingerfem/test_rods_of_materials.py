@@ -1,4 +1,4 @@
-"""Rods of several materials beside the full-order model: a stiff layer and a heavy core, with weight and with a taper."""
+"""Rods of rubber, a stiff layer and a heavy core beside the full-order model; with weight, and with a taper."""
 
 from typing import Any
 

@@ -169,7 +169,7 @@ def test_shear_by_bending_is_that_of_the_beam():
 def test_an_element_is_its_frustum_in_first_order(ratio):
     piece = Piece(INTERIOR, 0.01, (ratio, 1.0))
     element, inputs = linear_law(piece.length, piece.size).of_length(piece.length), np.eye(7)[[0, 2, 3, 5, 6]]
-    laws = element, tapered(element, piece, np.full(2, SHEAR * STIFF))
+    laws = element, tapered(element, piece, np.full(2, SHEAR * STIFF), np.ones(1))
     expected = timoshenko(piece)
     own = expected != 0
     prismatic, found = (np.abs(one.value(inputs)[:, [1, 2, 4, 5]].T - expected)[own] for one in laws)
