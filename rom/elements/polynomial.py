@@ -59,7 +59,7 @@ class Polynomial:
 
     @staticmethod
     def linear(lower: np.ndarray, upper: np.ndarray, slopes: np.ndarray) -> Polynomial:
-        """slopes @ point, on a box; shapes (p,), (p,), (m, p)."""
+        """Slopes @ point, on a box; shapes (p,), (p,), (m, p)."""
         powers = np.vstack([np.zeros(len(lower), int), np.eye(len(lower), dtype=int)])
         coefficients = np.vstack([slopes @ (lower + upper) / 2, (slopes * (upper - lower) / 2).T])
         return Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)

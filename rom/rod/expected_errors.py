@@ -34,7 +34,7 @@ NOTHING = Added(0.0, 0.0, 0.0, 0.0)
 TAPER = Added(0.05, 7e-3, 0.03, 4e-3)  # over the steepest change of the side per length, to 1:2 (docs/accuracy.md)
 # Over the sum of s (1 - s) of all transitions between materials, with the share s of `rom.elements.transition`: none
 # where a neighbour is as stiff, or rigid. Measured at moduli of 0.5 to 100 and Poisson's ratio 0.3.
-TRANSITION = Added(0.05, 6e-3, 0.01, 2e-3)
+TRANSITION = Added(0.02, 6e-3, 0.01, 2e-3)
 AXES = 3  # along each of which the floor of a place acts
 
 

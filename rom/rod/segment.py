@@ -187,10 +187,8 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     scales = {(one.size, one.modulus) for one in pieces}
     by_scale = {one: elements if one == (1, 1) else elements.scaled(*one) for one in scales}
     scaled = {one: by_scale[one.size, one.modulus] for one in pieces}
-    geometry, laws = (
-        elements.scene["geometry"],
-        {one: own.laws[one.kind].of_length(one.length) for one, own in scaled.items()},
-    )
+    geometry = elements.scene["geometry"]
+    laws = {one: own.laws[one.kind].of_length(one.length) for one, own in scaled.items()}
     if any(one.ends[0] != one.ends[1] for one in pieces):
         shear, guided = shear_by_bending(elements.laws[INTERIOR]), _guided(elements.scene, elements.tensions)
         laws = {one: tapered(law, one, shear, guided) for one, law in laws.items()}
