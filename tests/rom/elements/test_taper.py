@@ -135,8 +135,8 @@ STIFF, SHEAR, CURVED = 2e-3, 3e-3, 5.0  # at size 1: E I [N m^2], c [1/N], curva
 def timoshenko(piece: Piece, axial: float) -> np.ndarray:
     """Place y, z and half turns about y, z of a Timoshenko frustum, by a tendon and f_x, f_y, f_z, m_y, m_z.
 
-    Integrals over sections of their own size, shape (4, 6). The moment M of the tendon about the centre shears by p M,
-    as its force is along the channel. An axial force bends by `axial` at size 1 [1/(N m)], where the neutral axis is off
+    Integrals over sections of their own size, shape (4, 6). The tendon's moment M about the centre shears by p M, as
+    its force is along the channel. An axial force bends by `axial` at size 1 [1/(N m)], where the neutral axis is off
     the centre, and does not shear.
     """
     u, weights = np.polynomial.legendre.leggauss(20)
