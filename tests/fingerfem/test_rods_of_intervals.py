@@ -17,8 +17,8 @@ TABLE: dict[str, Any] = {
     "geometry": {"side": 0.010, "segments": [0.045], "plate": 0.001},
     "material": {"law": "neo-hookean", "C1": 1e5, "D1": 2e-6},
     "tendons": [
-        {"name": "F1", "offset": [0.003, 0.0], "segment": 1, "tension": [0.0, 4.0]},
-        {"name": "F2", "offset": [0.0, 0.003], "segment": 1, "tension": [0.0, 4.0]},
+        {"name": "F1", "offset": [0.004, 0.0], "segment": 1, "tension": [0.0, 4.0]},
+        {"name": "F2", "offset": [0.0, 0.004], "segment": 1, "tension": [0.0, 4.0]},
     ],
     "mesh": {"cells": [12, 5]},
 }
