@@ -46,7 +46,7 @@ def with_transitions(element: ElementMap, piece: Piece, laws: Mapping[str, Eleme
     length, law, m = laws[CLAMP].lengths[0], element.polynomial, len(element.tension_map)
     if length > laws[INTERIOR].lengths[1] * (1 + SHARE):
         raise ModelError(
-            f"materials along a part need an interior element as long as the clamp piece, {length:.6g} m, got one of at "
+            f"materials along a part need interior elements as long as the clamp piece, {length:.6g} m, got at "
             f"most {laws[INTERIOR].lengths[1]:.6g} m: train on a mesh with sections at one side from the clamp"
         )
     parts = [laws[kind].of_length(length).polynomial for kind in (CLAMP, INTERIOR)]

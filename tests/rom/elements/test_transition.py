@@ -67,6 +67,6 @@ def test_elements_without_an_interior_one_have_no_transition():
         with_transitions(laws[CLAMP].of_length(LENGTH), piece, laws)
     shorter = replace(ELEMENTS.laws[INTERIOR], lengths=(0.005, 0.008))
     with pytest.raises(
-        ModelError, match=r"need an interior element as long as the clamp piece, 0.010\d* m, got one of at"
+        ModelError, match=r"need interior elements as long as the clamp piece, 0.010\d* m, got at"
     ):
         with_transitions(laws[CLAMP].of_length(LENGTH), piece, laws | {INTERIOR: shorter})
