@@ -77,8 +77,8 @@ def forms(tree: Any) -> Any:
 def _leaves(tree: Any) -> list[ufl.Form]:
     if isinstance(tree, ufl.Form):
         return [tree]
-    parts = tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else []
-    return [leaf for part in parts for leaf in _leaves(part)]
+    parts = list(tree.values()) if isinstance(tree, dict) else tree
+    return [leaf for part in parts for leaf in _leaves(part)] if isinstance(parts, list) else []
 
 
 def _compiled_tree(tree: Any) -> Any:

@@ -95,7 +95,7 @@ class Step:
 
 def _strategies(halvings: int) -> Sequence[Strategy]:
     """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust strategy."""
-    return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
+    return STRATEGIES[: 1 + (halvings >= 2) + (halvings >= 6)]
 
 
 class Continuation:

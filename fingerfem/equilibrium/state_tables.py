@@ -82,4 +82,6 @@ def unit_of(name: str, chambers: Container[str] = ()) -> str:
     """Of a parameter: the pressure of a chamber, d, a component of a moment, or a tension or force."""
     if name in chambers:
         return "Pa"
-    return "m" if name == "d" else "N m" if name[:1] == "m" else "N"
+    if name == "d":
+        return "m"
+    return "N m" if name[:1] == "m" else "N"

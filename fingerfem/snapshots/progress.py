@@ -32,7 +32,8 @@ class Reporter:
         console = Console(stderr=True)
         if self._terminal is not None:
             console = Console(file=self._terminal, width=os.get_terminal_size(self._terminal.fileno()).columns)
-        self._style = ("bar" if console.is_terminal else "plain") if style in ("auto", "bar") else style
+        shown = "bar" if console.is_terminal else "plain"
+        self._style = shown if style in ("auto", "bar") else style
         self._console = console
         self._log: IO[str] | None = None
         # 80 columns are 6 + 1 + 12 + 1 + 9 + 1 + 7 + 1 and 42 of a note, of long sets a little less.
