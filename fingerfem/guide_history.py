@@ -213,7 +213,7 @@ class _History:
         ]
 
     def _state(self, loads: np.ndarray) -> GuideState:
-        """What is reported of the present state."""
+        """Report of the present state."""
         problem = self._problem
         return GuideState(
             tip=problem.tip(),

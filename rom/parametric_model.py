@@ -1,4 +1,4 @@
-"""What models of tensions and distances have in common: the box of their parameters, and points that are checked."""
+"""Base of models of tensions and distances: the box of their parameters, and checked points."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class FingerMesh:
     lines: np.ndarray  # along x, between the cells [m]
     section: PlaneMesh  # at the clamp
     smallest: float  # smallest cell edge across the section [m]
-    has_boxes: bool  # whether all cells are boxes along the axes
+    has_boxes: bool  # true if all cells are boxes along the axes
     walls: list[np.ndarray]  # of every chamber, its exterior facets on this rank
 
     def pulled(self, scene: Scene, k: int) -> tuple[np.ndarray, float]:

@@ -101,7 +101,7 @@ class VolumeTangent:
 
 
 def _pull_back(corners: np.ndarray, points: np.ndarray, has_boxes: bool) -> Callable[[np.ndarray], np.ndarray]:
-    """What makes a of A, shape (cells, points, pairs, 3, 3), of cells with corners, shape (cells, 8, 3) [m]."""
+    """Map of moduli A, shape (cells, points, pairs, 3, 3), to those in reference cells; corners (cells, 8, 3) [m]."""
     if has_boxes:
         sizes = corners[:, 7] - corners[:, 0]  # of the boxes [m], shape (cells, 3)
         scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])

@@ -52,7 +52,7 @@ class Term(NamedTuple):
 
 
 class Overstress(NamedTuple):
-    """What viscoelastic branches add to the stress of rubber in a step: share S(C) + stress, S of a law's W.
+    """Stress that viscoelastic branches add to that of rubber in a step: share S(C) + stress, S of a law's W.
 
     That is the stress of an energy too, share W(C) + stress : C / 2, so that a step has a potential.
     """

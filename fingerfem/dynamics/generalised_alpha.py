@@ -105,7 +105,7 @@ class Stepper:
     def started(self, state: MovingState) -> MovingState:
         """The same with the acceleration of the forces after its time, where they jump.
 
-        It is that of the motions that a step h resolves, (M + b h^2 K) a = -R with the tangent K. What is faster would
+        It is that of the motions that a step h resolves, (M + b h^2 K) a = -R with the tangent K. Faster ones would
         be noise.
 
         Raises:

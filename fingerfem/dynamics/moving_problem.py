@@ -1,7 +1,7 @@
 """The discrete problem of a finger in motion: that of its equilibria, and inertia.
 
-Displacements are seen from the base. Where the base has the acceleration a, the angular velocity w and the orientation
-R, material at x that moves with the velocity v has, per mass, the force
+Displacements are seen from the base, which has the acceleration a, the angular velocity w and the orientation R.
+Material at x that moves with the velocity v has, per mass, the force
 
     R^T g - a - w' x x - w x (w x x) - 2 w x v
 

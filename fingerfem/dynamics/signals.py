@@ -41,7 +41,7 @@ class Signal:
 
     @property
     def has_jumps(self) -> bool:
-        """Whether two points have the same time."""
+        """True if two points have the same time."""
         return bool((np.diff(self.times) == 0).any())
 
 
@@ -54,7 +54,7 @@ class Sine:
     frequency: float
     phase: float
 
-    times = np.zeros(0)  # where it is not smooth
+    times = np.zeros(0)  # none at which it is not smooth
     has_jumps = False
 
     @property

@@ -23,7 +23,7 @@ STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the o
 
 @dataclass(frozen=True, kw_only=True)
 class StepOptions:
-    """How far one step goes.
+    """Limits of the steps along a path of loads.
 
     Attributes:
         turn: largest rotation of a slender finger's tip in one step, see `turns` [rad].
@@ -43,7 +43,7 @@ class StepOptions:
 
 
 class Loads(NamedTuple):
-    """What acts on the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
+    """Loads of the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
 
     tensions: np.ndarray
     distance: float | None
@@ -190,7 +190,7 @@ class Continuation:
         return True
 
     def _failure(self, reason: str, *, without_obstacle: bool) -> LoadNotReached:
-        """What is raised at the last good load; without an obstacle where nothing was solved with it."""
+        """Exception to raise at the last good load; without the obstacle if nothing was solved with it."""
         if without_obstacle:
             self.distance = None
             self._set_loads()
@@ -226,7 +226,7 @@ class Continuation:
             self._hold(strategy != "line search")
             step = None
             if strategy != "line search":
-                with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
+                with contextlib.suppress(NotConverged):  # a singular tangent gives no prediction
                     step = self._predict(loads)
             problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
@@ -268,8 +268,8 @@ class Continuation:
     def _predict(self, loads: Loads) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
-        The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
-        both its ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        The nodes in contact move with the plane. After a step in the same direction, a cubic goes through both its ends
+        and their tangents; a first step follows the tangent alone. Plates move rigidly.
         """
         problem = self.problem
         moved = 0.0 if loads.distance is None or self.distance is None else loads.distance - self.distance

@@ -40,5 +40,5 @@ class Linearisation:
 
     @cached_property
     def stable(self) -> bool:
-        """Whether the potential has a minimum here, against motions of the whole finger (collective)."""
+        """True if the potential has a minimum here, against motions of the whole finger (collective)."""
         return self.negative_pivots == 0 and not self._antisymmetric.gives_way()

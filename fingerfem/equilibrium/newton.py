@@ -60,7 +60,7 @@ class Newton:
 
     @property
     def factorisations(self) -> int:
-        """How many tangents it has factorised."""
+        """Number of tangents factorised."""
         return self._factorisation.made
 
     def solve(self, strategy: Strategy = "mixed", *, is_predicted: bool = False) -> tuple[int, Linearisation | None]:
@@ -86,8 +86,8 @@ class Newton:
             residual, _ = problem.residual()
             norm = residual.norm() / problem.force_scale
             first = norm if first is None else first
-            # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
-            # moves then shows that there is nothing left to do.
+            # If steel is very stiff against the rubber, round-off keeps the residual up; the small motion by Newton's
+            # method then shows that it has converged.
             settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
             done = (norm <= self.options.tolerance or settled) and not kept
             exceeded = problem.limits.exceeded() if done else None
@@ -97,7 +97,7 @@ class Newton:
                     continue
                 return iteration, self._linearisation() if iteration else None
             serves = iteration > 0 and strategy != "line search" and norm < self.options.near
-            # What a step with old factors leaves is small in the residual, not yet in the soft finger: one step more.
+            # The rest of a step with old factors is small in the residual, not yet in the soft finger: one step more.
             last_step = kept and (norm <= self.options.tolerance or settled)
             serves, last = last_step or (serves and norm <= self.options.contraction * last), norm
             kept = serves and not last_step

@@ -1,4 +1,4 @@
-"""Whether the finger's surface passes through itself, which the model does not prevent and so has to notice.
+"""Detection of a finger's surface that passes through itself, which the model does not prevent.
 
 A triangulated surface passes through itself where an edge crosses a triangle it shares no corner with.
 """
@@ -37,7 +37,7 @@ class Surface:
         self._rest = points[self._nodes]
 
     def passes_through_itself(self, displacement: np.ndarray) -> bool:
-        """Whether it does, displaced by this rank's nodal displacements, shape (nodes, 3) [m] (collective)."""
+        """True if the surface does, displaced by this rank's nodal displacements, shape (nodes, 3) [m] (collective)."""
         moved = self._rest + displacement[self._nodes]
         points = np.concatenate(self._comm.allgather(moved))[self._first]
         if self._half and points[:, 2].min() < -1e-6 * self._side:

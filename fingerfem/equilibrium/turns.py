@@ -1,4 +1,4 @@
-"""How far loads turn the tip of a slender finger of rubber alone: steps are measured by it."""
+"""Rotation of the tip of a slender finger of rubber alone by loads: a measure of steps."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class Column(NamedTuple):
 
 
 class Header(NamedTuple):
-    """What the first line names; `mode` is that of all rows where no column has it."""
+    """Columns that the first line names; without a column of tests, all rows have `mode`."""
 
     elongation: Column
     stress: Column
@@ -98,7 +98,7 @@ def read_measurements(path: str | Path, test: str | None = None, to: float | Non
 
 
 def _header(table: CsvTable, test: str | None) -> Header:
-    """What the columns are."""
+    """Columns by their names in the table's first line."""
     where, names = table.where(table.first), table.names
     found: dict[str, list[int]] = {"test": [], "elongation": [], "stress": []}
     true = []

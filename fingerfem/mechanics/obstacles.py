@@ -26,7 +26,7 @@ MARCHES, CLOSE = 1000, 1e-12  # steps towards a body; distance over its reach th
 
 @dataclass(frozen=True)
 class Maths:
-    """What a formula takes from UFL or from NumPy; `number` makes a constant of the compiled forms, or leaves it."""
+    """Functions of UFL or NumPy for a formula; `number` makes a constant of the compiled forms, or leaves it."""
 
     sqrt: Callable[[Any], Any]
     maximum: Callable[[Any, Any], Any]
@@ -56,7 +56,7 @@ class Body(ABC):
 
     @property
     def is_flat(self) -> bool:
-        """Whether it touches convex bodies at their corners alone."""
+        """True if the body touches convex ones at their corners alone."""
         return isinstance(self, Plane)
 
     @abstractmethod
@@ -276,7 +276,7 @@ def bodies(obstacle: Obstacle | None, top: float) -> list[Body]:
 
 
 def all_flat(bodies: list[Body]) -> bool:
-    """Whether all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
+    """True if all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
     return all(one.is_flat for one in bodies)
 
 

@@ -85,7 +85,7 @@ def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
 
 
 def _check_ends(scene: Scene, k: int, chamber: Chamber) -> None:
-    """Of a finger that elements are trained on, a chamber ends within their end pieces, and not at the clamp."""
+    """Requires that a chamber of a finger for elements ends within their end pieces, and not at the clamp."""
     side, last = END * scene.geometry.side, scene.outline.plates[-1][0]
     near = scene.outline.tolerance
     if not (near < chamber.x[0] < side + near and last - side - near < chamber.x[1]):
@@ -172,7 +172,7 @@ def check_materials(scene: Scene) -> None:
 
 
 def _overlap(one: Material, other: Material, near: float) -> bool:
-    """Whether two materials share cells; groups of a file do not."""
+    """True if two materials share cells; groups of a file do not."""
     spans = [(0.0, np.inf) if part.x is None else part.x for part in (one, other)]
     if min(span[1] for span in spans) - max(span[0] for span in spans) <= near:
         return False

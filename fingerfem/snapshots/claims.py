@@ -21,7 +21,7 @@ logger = logging.getLogger(__name__)
 
 
 class Claims(Protocol):
-    """What says who works on which task; a context that gives back what is still held."""
+    """Record of the processes that work on tasks; a context that gives back the claims still held."""
 
     def take(self, i: int) -> bool:
         """Claim task i; False if somebody else holds it."""
@@ -143,7 +143,7 @@ class ClaimFiles:
 
 
 def _machine() -> str:
-    """Where a process number means the same process: this boot of this machine, in this container."""
+    """Scope in which a process number is unique: this boot of this machine, in this container."""
     boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     return f"{boot}/{os.stat('/proc/self/ns/pid').st_ino}"
 

@@ -1,4 +1,4 @@
-"""How far a set is: a bar on a terminal, else plain lines or JSON lines; always a log in the set's folder.
+"""Progress of a set: a bar on a terminal, else plain lines or JSON lines; always a log in the set's folder.
 
 A bar that is asked for under mpirun is drawn on the terminal itself: Open MPI passes on whole lines only, and a bar is
 none before its end.
@@ -95,7 +95,7 @@ class Reporter:
 
 
 def _note(row: dict) -> str:
-    """What stands behind the bar."""
+    """Text behind the bar: rate, failures and estimated error."""
     round_ = f", error {100 * row['estimated_error']:.2g} %" if "round" in row else ""
     return f"{row['rate']:.1f} states/s, {row['failed']} failed{round_}"
 

@@ -16,7 +16,7 @@ class Interruption(SystemExit):
 
 
 def first_rank() -> bool:
-    """Whether this process is the one of its MPI job that speaks for all, or not under mpirun at all."""
+    """True for the first process of an MPI job, which reports for all, and without mpirun."""
     return os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMIX_RANK", "0")) == "0"
 
 
@@ -41,7 +41,7 @@ def interruptible(line: str = NOTHING_KEPT) -> None:
 
 
 def _importing(frame: FrameType | None) -> bool:
-    """Whether this frame runs, directly or not, because a module is being imported."""
+    """True if this frame runs, directly or not, because a module is being imported."""
     while frame is not None:
         if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
             return True

@@ -120,7 +120,7 @@ def millimetres(values: Iterable[float]) -> str:
 
 
 def shown(unit: str) -> tuple[float, str]:
-    """Of a unit: factor, and the unit that people read."""
+    """Factor from an SI unit to the unit that tables show, and that unit."""
     return SHOWN.get(unit, (1.0, unit))
 
 

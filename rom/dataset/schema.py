@@ -122,7 +122,7 @@ def sizes(*, segments: int, sections: int, tendons: int, actuators: int, nodes: 
 
 
 def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -> dict[str, Any]:
-    """Of a state without an answer: nan for every quantity in scope and its derivatives by all parameters, by name."""
+    """Arrays of nan, by name, for a state without an answer: quantities in scope and derivatives by all parameters."""
     found = {}
     for quantity in QUANTITIES:
         if quantity.scope not in scopes:

@@ -17,8 +17,8 @@ from rom.elements.fitting.calibration import Floors, floors_of
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
 
-# What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
-# of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
+# Addition by a taper, over the steepest change of the side per length: to the error of contact forces [-], of places
+# and of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
 FORCE, PLACE, SHORTENING, TURN = 0.05, 7e-3, 4e-3, 0.03
 AXES = 3  # along each of which the floor of a place acts
 

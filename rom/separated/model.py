@@ -63,7 +63,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
 
     @property
     def has_pad(self) -> bool:
-        """Whether it has the pad's pressure."""
+        """True if the model has the pad's pressure."""
         return len(self.contact.modes) > FORCE + 1
 
     @property
@@ -128,7 +128,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         """`outputs` at one point, shape (5 or 6,), and their derivatives, shape (5 or 6, p); the fastest call.
 
         At touch itself, a kink, derivatives are those of the free side; across walls of the sampled box they are zero.
-        Where a form swings below zero just after touch, the force is clamped to zero, but not its derivative.
+        If a form swings below zero just after touch, the force is clamped to zero, but not its derivative.
         """
         return forms.answer(self.kernel, self.checked(parameters, most=1))[:2]
 

@@ -65,7 +65,7 @@ def chosen(model: TouchedSegment, count: int, random: np.random.Generator) -> np
 
 
 def sought(model: TouchedSegment, count: int, random: np.random.Generator, other: TouchedSegment) -> np.ndarray:
-    """Where the forces of two fingers differ most, over the estimate of the first: by line searches from random points.
+    """Points where the forces of two fingers differ most, over the first's estimate: by line searches from random ones.
 
     Args:
         model: whose estimates are put to the test.

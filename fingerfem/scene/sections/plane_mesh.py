@@ -32,18 +32,18 @@ class PlaneMesh:
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """Of the quadrilaterals, in the order around them, shape (quads, 4, 2) [m]."""
+        """Corners of the quadrilaterals, in the order around them, shape (quads, 4, 2) [m]."""
         return np.asarray(self.points[self.quads[:, AROUND]])
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """Of the quadrilaterals, shape (quads,) [m^2]: half the cross product of the diagonals."""
+        """Areas of the quadrilaterals, shape (quads,) [m^2]: half the cross product of the diagonals."""
         a, b, c, d = self.corners.transpose(1, 0, 2)
         return np.asarray(_cross(c - a, d - b) / 2)
 
     @cached_property
     def centroids(self) -> np.ndarray:
-        """Of the quadrilaterals, shape (quads, 2) [m]."""
+        """Centroids of the quadrilaterals, shape (quads, 2) [m]."""
         here, after = self.corners, np.roll(self.corners, -1, axis=1)
         middle = here.mean(axis=1, keepdims=True)  # about which small cells far from the axis lose no digits
         here, after = here - middle, after - middle
@@ -52,22 +52,22 @@ class PlaneMesh:
 
     @cached_property
     def area(self) -> float:
-        """Of the whole section [m^2]."""
+        """Area of the whole section [m^2]."""
         return self.copies * float(self.areas.sum())
 
     def column_area(self, tag: int) -> float:
-        """Of the whole channel or hole with a tag [m^2]."""
+        """Area of the whole channel or hole with a tag [m^2]."""
         return self.copies * float(self.areas[self.tags == tag].sum())
 
     def column_centroid(self, tag: int) -> np.ndarray:
-        """Of the meshed part of a channel or hole, shape (2,) [m]; nan without cells."""
+        """Centroid of the meshed part of a channel or hole, shape (2,) [m]; nan without cells."""
         own = self.tags == tag
         weights = self.areas[own, None]
         return np.asarray((weights * self.centroids[own]).sum(axis=0) / (weights.sum() if own.any() else np.nan))
 
     @property
     def centroid(self) -> np.ndarray:
-        """Of what is meshed, shape (2,) [m]."""
+        """Centroid of the meshed part, shape (2,) [m]."""
         return np.asarray((self.areas[:, None] * self.centroids).sum(axis=0) / self.areas.sum())
 
     @cached_property
@@ -97,7 +97,7 @@ class PlaneMesh:
 
     @property
     def has_rectangles(self) -> bool:
-        """Whether all quadrilaterals are rectangles along y and z."""
+        """True if all quadrilaterals are rectangles along y and z."""
         along = np.roll(self.corners, -1, axis=1) - self.corners
         return bool((np.abs(along).min(axis=2) <= 1e-12 * self.edges.max()).all())
 
@@ -110,14 +110,14 @@ class PlaneMesh:
         return np.asarray(pairs[count[where.ravel()] == 1])
 
     def contains(self, point: np.ndarray, tag: int) -> bool:
-        """Whether a point, shape (2,) [m], lies in a quadrilateral with a tag."""
+        """True if a point, shape (2,) [m], lies in a quadrilateral with a tag."""
         corners = self.corners[self.tags == tag]
         sides = _cross(np.roll(corners, -1, axis=1) - corners, point - corners)
         return bool((sides >= -1e-9 * self.edges.max() ** 2).all(axis=1).any())
 
     @cached_property
     def is_mirrored(self) -> bool:
-        """Whether z = 0 parts it along its edges into two mirror images."""
+        """True if z = 0 divides the mesh along its edges into two mirror images."""
         tolerance = SHARE * float(np.ptp(self.points, axis=0).max())
         mirror = self.points * [1, -1]
         away, _ = cKDTree(self.points).query(mirror)

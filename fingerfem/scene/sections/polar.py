@@ -107,7 +107,7 @@ def _start(sectors: list[Sector]) -> float:
     """Angle of the core's first corner [rad]: no corner lies within a channel, or else none near a channel's edge."""
 
     def clearances(start: float) -> np.ndarray:
-        """Of all corners from all channels, negative within one [rad]."""
+        """Angles of all corners from all channels, negative within one [rad]."""
         away = [
             abs(math.remainder(start + k * QUARTER - one.angle, 2 * math.pi)) - one.half
             for one in sectors

@@ -44,7 +44,7 @@ def extent(scene: Mapping[str, Any]) -> float:
 
 
 def area(scene: Mapping[str, Any]) -> float:
-    """Of the section, without a bore [m^2]."""
+    """Area of the section without its bore [m^2]."""
     table = section_of(scene)
     if table["shape"] == FILE:
         return float(table["measures"]["area"])
@@ -62,7 +62,7 @@ def mean_squares(scene: Mapping[str, Any]) -> np.ndarray:
 
 
 def channel_width(scene: Mapping[str, Any]) -> float:
-    """Of a channel [m]; 0 of a file, whose channels are drawn."""
+    """Width of a channel [m]; 0 for a section from a file, which has its channels drawn."""
     table, given = section_of(scene), scene["geometry"].get("channel")
     if given is not None or table["shape"] == FILE:
         return float(given or 0.0)

@@ -105,7 +105,7 @@ class NormalEquations:
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
 
     def deviations(self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int) -> Polynomial:
-        """How fits without a group of folds deviate from that of all: their squares add up to its variance.
+        """Deviations of fits without a group of folds from that of all: their squares add up to its variance.
 
         That is the jackknife's, (V - 1) / V times the sum of squares of V groups (R. G. Miller, Biometrika 61, 1974).
 

@@ -85,7 +85,7 @@ class SectionStates:
 
     @property
     def pressures(self) -> int:
-        """How many of the loads are pressures, the last ones."""
+        """Number of pressures, the last ones of the loads."""
         return pressures_of(self.scene)
 
     @property

@@ -1,7 +1,7 @@
 """Mirrors and turns of the section that map a finger's mesh onto itself: every sample of an element has images.
 
-Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
-turns, which are axial vectors, with det(S) S.
+A map S of space keeps the axis; det S is -1 for a mirror. Forces and positions go with S, and moments and rotations,
+which are axial vectors, with det(S) S.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ def tables(rod: Rod) -> list[Table | str]:
 
 
 def _weight(rod: Rod) -> list[str]:
-    """How much it weighs, and where that pulls; nothing without a weight."""
+    """Line with mass and acceleration of a finger that weighs, or no line."""
     weight = weight_of(rod)
     if weight is None:
         return []

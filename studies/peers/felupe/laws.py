@@ -1,6 +1,6 @@
 """The scene's energies as materials of FElupe; imported in FElupe's own process alone.
 
-Neo-Hookean rubber, Yeoh's and steel are FElupe's own. Of Mooney's and Rivlin's law it gets the second invariant as an
+Neo-Hookean rubber, Yeoh's and steel are FElupe's own. It gets the second invariant of Mooney's and Rivlin's law as an
 energy, which it differentiates itself (tensortrax). The tendon's fibre is written out.
 """
 
