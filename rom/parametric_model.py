@@ -24,7 +24,7 @@ class ParametricModel:
             """Tensions, then distances."""
 
         def tables(self) -> list[Table | str]:
-            """For people."""
+            """Tables for people."""
 
         def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
             """Outputs with estimated errors, at one point or many."""

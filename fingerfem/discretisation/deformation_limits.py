@@ -108,7 +108,7 @@ class DeformationLimits:
         return None
 
     def beyond_data(self) -> dict[str, tuple[tuple[float, float], bool]]:
-        """By material whose law names the stretches of its data: the extreme ones, and whether these exceed them."""
+        """Extreme stretches by material whose law names those of its data, and whether they exceed these."""
         found = {}
         for name, law, cells, strain in self._materials:
             if law.stretches is not None and strain is not None:

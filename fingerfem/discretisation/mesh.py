@@ -100,7 +100,7 @@ def _swept(section: PlaneMesh, lines: np.ndarray, solid: np.ndarray, comm: MPI.C
 
 
 def _of_tendon(scene: Scene, k: int, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Which cells, with midpoints at x [m], are tendon k's: its channel before its plate, or its hole in it."""
+    """True for cells, with midpoints at x [m], of tendon k: its channel before its plate, or its hole in it."""
     begin, end = scene.outline.plates[scene.tendons[k].segment - 1]
     inside = x < begin if scene.tendons[k].path == "channel" else (x > begin) & (x < end)
     return np.asarray((columns == scene.outline.columns[k].tag) & inside)

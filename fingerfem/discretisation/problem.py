@@ -84,7 +84,7 @@ class Problem(Assembly):
         return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
 
     def _stiff_facets(self) -> StiffFacets | None:
-        """Those of plates, if a body is round."""
+        """Facets of plates, if a body is round."""
         if self.scene.obstacle is None or obstacles.all_flat(self.bodies):
             return None
         facets = np.concatenate([self.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])

@@ -45,7 +45,7 @@ class Balance:
     largest: float = 0.0
 
     def as_dict(self) -> dict[str, float]:
-        """By name."""
+        """Energies by name."""
         return asdict(self)
 
 

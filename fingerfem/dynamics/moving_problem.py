@@ -119,7 +119,7 @@ class MovingProblem(Problem):
         return self.times_mass(force.ravel(), whole=True)
 
     def residual(self) -> tuple[PETSc.Vec, np.ndarray]:
-        """That of an equilibrium plus inertia; the reaction is the equilibrium's part."""
+        """Residual of an equilibrium plus inertia; the reaction is the equilibrium's part."""
         b, reaction = super().residual()
         u = self.displacement
         if self.base is not None:
@@ -131,7 +131,7 @@ class MovingProblem(Problem):
         return b, reaction
 
     def tangent(self) -> PETSc.Mat:
-        """With the mass's part. That of spin is left out, a share w h of it, which costs iterations alone."""
+        """Tangent with the mass's part. That of spin is left out, a share w h of it, which costs iterations alone."""
         matrix = super().tangent()
         if self.inertia is not None:
             matrix.axpy(self.inertia.mass, self.mass, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)

@@ -26,7 +26,7 @@ class Signal:
         return float(self.values.min()), float(self.values.max())
 
     def value(self, time: float, after: bool) -> float:
-        """At a time [s]; in a jump what is after it, or before."""
+        """Value at a time [s]; at a jump the one after it, or before."""
         k = int(np.searchsorted(self.times, time, "right" if after else "left"))
         if k in (0, len(self.times)):
             return float(self.values[min(k, len(self.times) - 1)])
@@ -63,7 +63,7 @@ class Sine:
         return self.mean - abs(self.amplitude), self.mean + abs(self.amplitude)
 
     def value(self, time: float, after: bool) -> float:
-        """At a time [s]."""
+        """Value at a time [s]."""
         return float(self.mean + self.amplitude * np.sin(2 * np.pi * self.frequency * time + self.phase))
 
     def slope(self, time: float, after: bool) -> float:

@@ -51,7 +51,7 @@ class Loads(NamedTuple):
     weight: float
 
     def towards(self, target: Loads, share: float) -> Loads:
-        """Those at a share of the straight path to others [-]."""
+        """Loads at a share [-] of the straight path to others."""
         if share == 1:
             return target
         tensions, wrenches = (

@@ -12,7 +12,7 @@ from fingerfem.equilibrium.stability import AntisymmetricMotion
 
 
 class Linearisation:
-    """It holds until the next tangent is factorised.
+    """Factorised tangent at an equilibrium; valid until the next one is factorised.
 
     Attributes:
         negative_pivots: number of negative eigenvalues of the tangent (Sylvester's law of inertia).

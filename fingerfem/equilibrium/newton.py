@@ -19,7 +19,7 @@ Strategy = Literal["mixed", "plain", "line search"]
 
 @dataclass(frozen=True, kw_only=True)
 class NewtonOptions:
-    """When to stop.
+    """Stopping criteria of Newton's method.
 
     Attributes:
         tolerance: bounds the residual's 2-norm over the force scale E a^2 [-].

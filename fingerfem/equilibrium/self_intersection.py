@@ -54,7 +54,7 @@ class Surface:
 
 
 def _cross(ends: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Which segments, shape (n, 2, 3), pass through the inside of their triangle, shape (n, 3, 3).
+    """True for segments, shape (n, 2, 3), that pass through the inside of their triangle, shape (n, 3, 3).
 
     Moeller, Trumbore, J. Graphics Tools 2, 1997, doi:10.1080/10867651.1997.10487468.
     """

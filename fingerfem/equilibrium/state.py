@@ -106,7 +106,7 @@ class State:
         return found
 
     def tables(self) -> list[Table | str]:
-        """For people."""
+        """Tables for people."""
         return tables(self.as_json())
 
     def _repr_html_(self) -> str:

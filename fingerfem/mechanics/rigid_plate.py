@@ -39,7 +39,7 @@ class Pose:
 
     @property
     def quaternion(self) -> np.ndarray:
-        """Its rotation as a unit quaternion, its scalar part first and not negative, shape (4,) [-]."""
+        """Rotation of the plate as a unit quaternion, its scalar part first and not negative, shape (4,) [-]."""
         return rigid_motion.quaternions(self.rotation)
 
     def clamp_change(self, motion: np.ndarray) -> np.ndarray:

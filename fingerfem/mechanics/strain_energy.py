@@ -79,7 +79,7 @@ def stress(energy: Energy, C):
 
 
 def elasticity(energy: Energy, C):
-    """Its derivative dS/dE = 2 dS/dC [Pa], E the Green-Lagrange strain; rank 4, symmetric in each pair."""
+    """Derivative of the stress, dS/dE = 2 dS/dC [Pa], E the Green-Lagrange strain; rank 4, symmetric in each pair."""
     if not isinstance(energy, Isotropic):
         C = ufl.variable(C)
         return 4 * ufl.diff(ufl.diff(energy(ufl.sym(C)), C), C)

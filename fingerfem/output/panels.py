@@ -94,7 +94,7 @@ def draw_here(panels: Sequence[Deformed], picture: str) -> None:
 
 
 def _save(figure: Any, picture: str) -> None:
-    """As a PNG of 256 colours: a third of the bytes."""
+    """Saves a figure as a PNG of 256 colours: a third of the bytes."""
     raw = io.BytesIO()
     figure.savefig(raw, dpi=DOTS_PER_INCH, bbox_inches="tight")
     plt.close(figure)

@@ -236,7 +236,7 @@ def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
 
 def _load(axes: Axes, frame: Frame, force: float) -> None:
-    """On every plate, what may press."""
+    """Draws the largest force on every plate."""
     unit = frame.unit
     for k, (plate, half) in enumerate(zip(frame.geometry.plates, MM * frame.geometry.half_lengths[:, 1], strict=True)):
         x = MM * float(np.mean(plate))

@@ -149,7 +149,7 @@ def _machine() -> str:
 
 
 def _started(pid: int) -> str:
-    """When a process began [ticks since boot], empty if there is none: two processes may have one number in turn."""
+    """Start of a process [ticks since boot], empty if there is none: two processes may have one number in turn."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
     except OSError:

@@ -113,7 +113,7 @@ class Outcome:
 
     @classmethod
     def read(cls, path: str | Path, task: str) -> Outcome:
-        """From a task's file, without its fields.
+        """Reads a task's file without its fields.
 
         Raises:
             SnapshotError: the file is no task's.

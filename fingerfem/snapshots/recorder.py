@@ -196,7 +196,7 @@ class Recorder:
         self.displacements.append(np.full_like(self._model.problem.displacement, np.nan))
 
     def _parameters(self, tensions: np.ndarray, distance: float, wrenches: np.ndarray | None = None) -> np.ndarray:
-        """In the scene's order."""
+        """Parameters in the scene's order."""
         if self._model.scene.load is not None:
             pressed = np.zeros_like(self._model.problem.wrenches) if wrenches is None else wrenches
             return np.concatenate([tensions, np.ravel(pressed)])

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class Goal:
-    """When to stop.
+    """Stopping criteria of the work on a set.
 
     Attributes:
         next_round: what a set that grows needs next for a relative error [-].

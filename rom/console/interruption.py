@@ -21,7 +21,7 @@ def first_rank() -> bool:
 
 
 def interruptible(line: str = NOTHING_KEPT) -> None:
-    """From here on Ctrl-C leaves all contexts, as an exception does, ends the process and says this line.
+    """Sets Ctrl-C to leave all contexts, as an exception does, to end the process and to print a line.
 
     Click would make "Aborted!" and exit code 1 of Python's own KeyboardInterrupt, and Python a traceback while it is
     still importing; so a command calls this before it imports what takes long, and again where something is kept.

@@ -24,7 +24,7 @@ PLAIN = "fingerfem.plain"  # name of the error handler of `codecs`
 
 
 def begin() -> None:
-    """From here on Ctrl-C and an import that fails end the process in one line, and no character stops its output."""
+    """Sets Ctrl-C and failing imports to end the process in one line, and its output to accept all characters."""
     interruptible()  # what comes next may take seconds to import
     sys.excepthook = _explain
     warnings.showwarning = _warn

@@ -137,7 +137,7 @@ def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -
 
 
 def not_finite(arrays: Mapping[str, np.ndarray], converged: np.ndarray) -> str:
-    """Which quantity or derivative is nan or infinite in a converged state, in words; empty if none is.
+    """Description of a quantity or derivative that is nan or infinite in a converged state; empty if none is.
 
     Args:
         arrays: of a task, shapes (states, ...), by name.

@@ -167,7 +167,7 @@ def _along(samples: Samples, tension_map: np.ndarray) -> np.ndarray:
 def _equations(
     samples: Sequence[Samples], tension_map: TensionMap, tensions: np.ndarray, images: Sequence[Mirror], folds: int
 ) -> NormalEquations:
-    """Those of the highest degree, up to DEGREE, with MOST products at most."""
+    """Normal equations of the highest degree, up to DEGREE, with MOST products at most."""
     distances, degree = [one.length for one in samples], DEGREE
     lower, upper = box(samples, tension_map.matrix, tensions, images)
     lower, upper = np.append(lower, min(distances)), np.append(upper, max(distances) * (1 + SHARE))

@@ -33,7 +33,7 @@ class Heading(NamedTuple):
 
     @property
     def text(self) -> str:
-        """As in the file."""
+        """Heading as in the file."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 

@@ -187,7 +187,7 @@ class Library:
 
     @cached_property
     def _aligned(self) -> Any:
-        """As `ffi.new`: arrays begin with a cache line, as vector loads that lie in two lines take twice the time."""
+        """Replacement of `ffi.new`: arrays begin with a cache line, as vector loads across two take twice the time."""
         from cffi import FFI
 
         own = FFI()

@@ -68,7 +68,7 @@ class ExpectedErrors:
 def expected_errors(
     elements: Elements, kinds: Iterable[str], size: float, longer: float, tapered: tuple[float, float]
 ) -> ExpectedErrors:
-    """Those of a finger.
+    """Expected errors of a finger.
 
     Args:
         elements: as they were trained.
@@ -94,7 +94,7 @@ def expected_errors(
 
 
 def errors_of(rod: Rod) -> ExpectedErrors:
-    """Those of a finger; at least those on the log of its calibration."""
+    """Expected errors of a finger; at least those on the log of its calibration."""
     trained, geometry = sum(rod.elements.scene["geometry"]["segments"]), rod.scene["geometry"]
     thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in rod.pieces]
     longer = float(np.dot(thinner, geometry["segments"]) / (rod.similarity.size * trained))

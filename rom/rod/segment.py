@@ -124,7 +124,7 @@ class Segment(PickledByFields):
 
     @cached_property
     def struct(self) -> Any:
-        """For compiled code, a struct fingerfem_segment.
+        """Struct fingerfem_segment for compiled code.
 
         Raises:
             ModelError: a segment beyond what compiled code holds.

@@ -48,7 +48,7 @@ class Placed:
 
     @property
     def length(self) -> float:
-        """From there to its proximal section at rest [m]."""
+        """Length from there to its proximal section at rest [m]."""
         return self.piece.length
 
 

@@ -82,7 +82,7 @@ class TouchedRod(ParametricModel, PickledByFields):
         ]
 
     def tables(self) -> list[Table | str]:
-        """For people: its segments, and where objects may be."""
+        """Tables for people: the finger's segments, and the ranges of objects' distances."""
         return [
             *self.rod.tables(),
             parameters(self.parameters, "with objects" if len(self.objects) > 1 else "with the object"),
@@ -90,7 +90,7 @@ class TouchedRod(ParametricModel, PickledByFields):
 
     @cached_property
     def touching(self) -> Any:
-        """For compiled code, a struct fingerfem_touching."""
+        """Struct fingerfem_touching for compiled code."""
         objects = [LIBRARY.struct("fingerfem_object", **one.numbers()) for one in self.objects]
         return LIBRARY.struct(
             "fingerfem_touching",

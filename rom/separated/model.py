@@ -170,7 +170,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         return shorter if shorter.terms == self.terms else replace(shorter, accuracy={})
 
     def tables(self) -> list[Table | str]:
-        """For people: its parts, its parameters, and its measured errors."""
+        """Tables for people: the model's parts, its parameters, and its measured errors."""
         source = "samples of the finger before one object" if "specialised_from" in self.provenance else "states"
         nodes = "without the displacement field" if self.nodes is None else f"displacement of {len(self.nodes):,} nodes"
         terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"

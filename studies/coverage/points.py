@@ -25,7 +25,7 @@ def at_random(model: TouchedSegment, count: int, random: np.random.Generator) ->
 
 
 def on_walls(model: TouchedSegment, count: int, random: np.random.Generator) -> np.ndarray:
-    """In contact, one of the tensions 0 or the highest: two distances at each."""
+    """Points in contact, one of the tensions 0 or the highest: two distances at each."""
     lower, upper = model.limits
     found = list[np.ndarray]()
     while len(found) < count:

@@ -35,7 +35,7 @@ Ask = Callable[[float, float | None], tuple[list[float] | None, float | None]]
 
 @dataclass(frozen=True, kw_only=True)
 class Finger:
-    """Its lengths [m] (`length` from clamp to tip, plate included) and constants C1 [Pa], D1 [1/Pa]."""
+    """Lengths of the finger [m] (`length` from clamp to tip, plate included) and constants C1 [Pa], D1 [1/Pa]."""
 
     length: float
     side: float
@@ -89,7 +89,7 @@ class Answers:
     limits: str
 
     def as_json(self) -> dict[str, Any]:
-        """For a part's file."""
+        """Plain data for a part's file."""
         return asdict(self)
 
 

@@ -114,7 +114,7 @@ class ClosestPoints:
         self._domes = DOME * squares / np.sqrt(squares.sum(axis=1, keepdims=True))  # by (s, t), shape (facets, 2) [m]
 
     def springs(self, displacement: np.ndarray, distance: float, held: bool = False) -> Springs:
-        """At nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
+        """Springs at nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
 
         If contact is held and nothing presses, the spring that is nearest to the obstacle pulls (collective).
         """
@@ -197,7 +197,7 @@ class Facets:
         self._body, self._distance = body, distance
 
     def gaps(self, at: np.ndarray) -> np.ndarray:
-        """At local places, shape (m, 2): shape (m,) [m]."""
+        """Gaps at local positions, shape (m, 2); shape (m,) [m]."""
         values = tables(self._element, 0, at)[0]
         x = np.einsum("mn,mni->mi", values, self._places)
         domed = np.sum(self._domes * (at - 0.5) ** 2, axis=1) / 2

@@ -47,7 +47,7 @@ class BodyContact:
             self._known = np.zeros(0), 0.0, False
 
     def springs(self) -> Springs:
-        """Those of this rank that press."""
+        """Springs of this rank that press."""
         if self.closest is None:
             return NONE
         now = self._fields.u.x.array, float(self._fields.distance.value), self._held
@@ -97,7 +97,7 @@ class ObstacleContact:
         self._stiffness = float(fields.stiffness.value)
 
     def springs(self) -> Springs:
-        """Those of this rank that press."""
+        """Springs of this rank that press."""
         found = [one.springs() for one in self.bodies]
         if self.friction is not None:
             found.append(self.friction.springs())
@@ -167,7 +167,7 @@ class ObstacleContact:
         return np.asarray(pressed + sum(map(self._assembly.nodal, others)))
 
     def spring_forces(self) -> np.ndarray:
-        """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""
+        """Nodal forces of this rank's springs, before they are summed over ranks, shape (nodes, 3) [N]."""
         found = self.springs()
         return self._nodal(found.nodes, found.forces)
 

@@ -67,7 +67,7 @@ class Round(Section):
         return between >= sum(width / 2 / radius for radius in radii) * (1 - 1e-9)
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
-        """Its mesh by radial lines and circles."""
+        """Mesh by radial lines and circles."""
         whole = polar_mesh(wanted, self.diameter / 2, self.hollow / 2)
         return whole.half() if wanted.half else whole
 

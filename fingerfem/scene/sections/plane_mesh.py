@@ -128,7 +128,7 @@ class PlaneMesh:
         return bool(max(away.max(), apart.max()) < tolerance and not crossed.any() and alike)
 
     def half(self) -> PlaneMesh:
-        """Its half z >= 0, with z = 0 exactly where it is cut."""
+        """Half of the mesh, z >= 0, with z = 0 exactly at the cut."""
         quads, tags = self.quads[self.centroids[:, 1] > 0], self.tags[self.centroids[:, 1] > 0]
         used, renumbered = np.unique(quads, return_inverse=True)
         points = self.points[used].copy()

@@ -139,7 +139,7 @@ def _merged(values: Iterable[float], fixed: Iterable[float], near: float, start:
 
 
 def _inside(sector: Sector, angles: np.ndarray) -> np.ndarray:
-    """Which cells between an angle and the next one belong to a sector, shape (angles,)."""
+    """True for cells, each between an angle and the next one, that belong to a sector, shape (angles,)."""
     middles = angles + np.diff(np.append(angles, angles[0] + 2 * math.pi)) / 2
     return np.asarray(np.abs(np.remainder(middles - sector.angle + math.pi, 2 * math.pi) - math.pi) < sector.half)
 

@@ -77,7 +77,7 @@ class Rectangular(Section):
         return y, half if wanted.half else np.concatenate([-half[:0:-1], half])
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
-        """Its grid as quadrilaterals: y runs fastest."""
+        """Grid as quadrilaterals: y runs fastest."""
         y, z = self.lines(wanted)
         points = np.stack(np.meshgrid(y, z), axis=-1).reshape(-1, 2)
         at = np.arange(len(points)).reshape(len(z), len(y))

@@ -159,7 +159,7 @@ class Section(SceneTable):
         raise NotImplementedError
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
-        """Its mesh.
+        """Mesh of the section.
 
         Raises:
             ValueError: rule and value of what does not fit, to be put after `meshed_by`.
@@ -209,7 +209,7 @@ def check_cavities(mesh: PlaneMesh, cavities: Sequence[Cavity]) -> PlaneMesh:
 
 
 def material_of(mesh: PlaneMesh, inlay: Inlay) -> np.ndarray:
-    """Which quadrilaterals another material has where it is present, shape (quads,).
+    """True for quadrilaterals of another material where it is present, shape (quads,).
 
     Raises:
         ValueError: it has none.

@@ -20,7 +20,7 @@ SIZES = {SQUARE: ("side",), RECTANGLE: ("height", "width"), CIRCLE: ("diameter",
 
 
 def section_of(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Its table: `shape` and sizes [m]."""
+    """Table of a scene's section: `shape` and sizes [m]."""
     return scene.get("section") or {"shape": SQUARE, "side": scene["geometry"]["side"]}
 
 

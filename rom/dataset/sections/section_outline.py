@@ -86,7 +86,7 @@ class SectionOutline:
 
     @property
     def sides(self) -> np.ndarray:
-        """From every vertex to the next one, shape (m, 2) [m]."""
+        """Vectors from every vertex to the next one, shape (m, 2) [m]."""
         return np.asarray(np.roll(self.vertices, -1, axis=0) - self.vertices)
 
     @property
@@ -101,7 +101,7 @@ class SectionOutline:
 
     @property
     def perimeter(self) -> float:
-        """Its length [m]."""
+        """Length of the outline [m]."""
         return float(np.linalg.norm(self.sides, axis=1).sum() + 2 * np.pi * self.radius)
 
     @property
@@ -142,7 +142,7 @@ class SectionOutline:
         return SectionOutline(vertices=self.vertices * size, radius=self.radius * size)
 
     def table(self) -> dict[str, object]:
-        """Its numbers as plain data [m]; `SectionOutline(**table)` is the same outline."""
+        """Numbers of the outline as plain data [m]; `SectionOutline(**table)` is the same."""
         return {"vertices": self.vertices.tolist(), "radius": self.radius}
 
     def write(self, group: h5py.Group) -> None:

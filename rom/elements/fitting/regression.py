@@ -85,7 +85,7 @@ class NormalEquations:
         self.rows *= 1 + len(images)
 
     def _permutation(self, mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Which product every product becomes, and its sign, shapes (k,)."""
+        """Images of all products: their indices, and their signs, shapes (k,)."""
         position = {tuple(row): k for k, row in enumerate(self.powers.tolist())}
         place = [position[tuple(row)] for row in (self.powers @ np.abs(mirror).astype(int)).tolist()]
         return np.array(place), np.prod(mirror.sum(axis=1) ** self.powers, axis=1)

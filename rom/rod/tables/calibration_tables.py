@@ -15,7 +15,7 @@ STRONG = 0.9  # correlations from which on two parameters are named [-]
 
 
 def calibration_tables(record: Mapping[str, Any]) -> list[Table | str]:
-    """On which log a finger was calibrated, its parameters, and its errors there; nothing without a calibration."""
+    """Log that a finger was calibrated on, its parameters, and its errors there; empty without a calibration."""
     if not record:
         return []
     title = f"calibrated on {record['log']} ({record['poses']} poses, {record['date']}, sha256 {record['sha256'][:12]})"

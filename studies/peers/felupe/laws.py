@@ -54,7 +54,7 @@ class Fibre(felupe.ConstitutiveMaterial):
         return [stress, x[-1]]
 
     def hessian(self, x: list[np.ndarray]) -> list[np.ndarray]:
-        """Its derivative by F [Pa], shape (3, 3, 3, 3, points, cells)."""
+        """Derivative of the stress by F [Pa], shape (3, 3, 3, 3, points, cells)."""
         along = x[0][:, 0]
         length = np.linalg.norm(along, axis=0)
         n = along / length
