@@ -101,7 +101,8 @@ def _strategies(halvings: int) -> Sequence[Strategy]:
 class Continuation:
     """Leads a problem from one equilibrium to the next.
 
-    `iterations`, those `wasted` in failed attempts, `steps` and `strategies` count since the last call of `rest` or `start`.
+    `iterations`, those `wasted` in failed attempts, `steps` and `strategies` count since the last call of `rest` or
+    `start`.
     """
 
     def __init__(self, problem: Problem, options: StepOptions | None = None):
