@@ -101,7 +101,8 @@ def _strategies(halvings: int) -> Sequence[Strategy]:
 class Continuation:
     """Leads a problem from one equilibrium to the next.
 
-    `iterations`, `steps` and `strategies` count since the last call of `rest` or `start`.
+    `iterations`, those `wasted` in failed attempts, `steps` and `strategies` count since the last call of `rest` or
+    `start`.
     """
 
     def __init__(self, problem: Problem, options: StepOptions | None = None):
@@ -127,7 +128,7 @@ class Continuation:
         self.wrenches = np.zeros_like(self.problem.wrenches) if wrenches is None else np.array(wrenches, float)
         self.problem.displacement[:] = displacement
         self._set_loads()
-        self.iterations, self._wasted, self.steps = 0, 0, 0
+        self.iterations, self.wasted, self.steps = 0, 0, 0
         self.strategies: Counter[str] = Counter()
         self._linearisation: Linearisation | None = None
         self._last: Step | None = None
@@ -156,7 +157,7 @@ class Continuation:
         comes = self._place_obstacle(distance)
         origin = self._loads
         largest, first = self._sizes(target)
-        fraction, size, failed, wasted = 0.0, first, False, self._wasted
+        fraction, size, failed, wasted = 0.0, first, False, self.wasted
         while fraction < 1.0:
             # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
@@ -166,8 +167,8 @@ class Continuation:
             try:
                 needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:
-                if halvings >= self.options.halvings or self._wasted - wasted > self.options.wasted:
-                    tried = f"{failure.reason}; failed steps took {self._wasted - wasted} iterations"
+                if halvings >= self.options.halvings or self.wasted - wasted > self.options.wasted:
+                    tried = f"{failure.reason}; failed steps took {self.wasted - wasted} iterations"
                     raise self._failure(tried, without_obstacle=comes and not fraction) from None
                 size, failed = share / 2, True
                 continue
@@ -234,7 +235,7 @@ class Continuation:
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:
-                self.iterations, self._wasted = self.iterations + failure.iterations, self._wasted + failure.iterations
+                self.iterations, self.wasted = self.iterations + failure.iterations, self.wasted + failure.iterations
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
                 continue
