@@ -8,10 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOptions
-from control.tracking import PidController, circle, eight, track
+from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOptions, run
+from control.tracking import PidController, circle, eight
 from control.tracking.plan import Plan, planned
-from control.tracking.track import PathController
 from rom import TouchedSegment
 from studies.parts import Run
 
