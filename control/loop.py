@@ -76,7 +76,7 @@ class LoopReport:
     status: list[str]
 
     def errors(self, path: np.ndarray, finger: int = 0) -> np.ndarray:
-        """Distances of a finger's true tip from rows of a path, y and z, without the first row, shape (periods,) [m]."""
+        """Distances of a finger's true tip from rows of a path, y and z, after the first row, shape (periods,) [m]."""
         return np.asarray(np.linalg.norm(self.tips[:, finger] - path[1 : 1 + self.periods], axis=1))
 
     @property

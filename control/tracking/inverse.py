@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -14,6 +15,7 @@ CHOICE = 1e-4  # weight of the distance from the pretension over the range: sele
 RULES = Rules(residual=1e-9, longest=0.2, step=1e-5, nearest=1.0, null_space_iterations=0, iterations=40)
 FIRST = 8  # intervals of a curve before they are halved
 SMOOTH = 2e-6  # largest difference of an interpolated tip from a solved one [m]
+NEWTON = 3  # steps at a row near bounds
 LOOSE = 1e-3  # likewise of tensions, over their range [-]
 
 Bounds = tuple[np.ndarray, np.ndarray]
@@ -69,9 +71,9 @@ def inverses(model: TouchedSegment, goals: np.ndarray, pretension: np.ndarray, b
     rows = np.unique(np.linspace(0, last, FIRST + 1).round().astype(int))
     found: dict[int, np.ndarray] = {}
     start = pretension
-    for row in rows:
+    for row in rows.tolist():
         start = found[row] = inverse(model, goals[row], start, pretension, bounds)
-    waiting = list(zip(rows[:-1], rows[1:], strict=True))
+    waiting = list(pairwise(rows.tolist()))
     away = np.full(len(model.objects), np.inf)
     while waiting:
         curve, halves = interpolated(found), []
@@ -90,7 +92,20 @@ def inverses(model: TouchedSegment, goals: np.ndarray, pretension: np.ndarray, b
     tensions = np.clip(interpolated(found)(np.arange(len(goals))), *bounds)
     tips = model.outputs(np.column_stack([tensions, np.tile(away, (len(goals), 1))]))[:, 1:3] + model.rod.rest[1:]
     for row in np.flatnonzero(np.linalg.norm(tips - goals, axis=1) > SMOOTH):
-        tensions[row] = inverse(model, goals[row], tensions[row], pretension, bounds)
+        tensions[row] = _nearer(
+            model, goals[row], inverse(model, goals[row], tensions[row], pretension, bounds), bounds
+        )
+    return tensions
+
+
+def _nearer(model: TouchedSegment, goal: np.ndarray, tensions: np.ndarray, bounds: Bounds) -> np.ndarray:
+    """Tensions after Newton steps: at bounds, the weight of the pretension moves the tip off its goal."""
+    away = np.full(len(model.objects), np.inf)
+    for _ in range(NEWTON):
+        value, jacobian = model.value_and_jacobian(np.append(tensions, away))
+        inside = (tensions > bounds[0]) & (tensions < bounds[1])
+        step = np.linalg.pinv(jacobian[1:3, : len(tensions)] * inside) @ (goal - value[1:3] - model.rod.rest[1:])
+        tensions = np.clip(tensions + step, *bounds)
     return tensions
 
 

@@ -26,8 +26,9 @@ class TrackingOptions:
         correction: largest correction, as a displacement of the tip [m].
         pretension: share of the limits' range; the plan takes the tensions nearest to it [-].
         feel: contact force above which a reading counts as contact [N].
-        most_force: largest planned contact force [N]; a path farther behind the object's surface is moved towards it.
-        approach: time before contact in which the tip's planned speed towards the object falls to zero [s].
+        most_force: largest contact force in the plan's simulated motion, as means over a period [N]. The plan presses
+            with at most half of it. Impacts have the rest: where they have more, the approach becomes slower.
+        approach: shortest time before contact in which the tip's planned speed towards the object falls to zero [s].
         settling: time constant with which readings of the contact force correct the plan [s].
     """
 

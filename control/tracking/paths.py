@@ -21,13 +21,17 @@ def circle(centre: ArrayLike, radius: float, rate: float, period: float, laps: f
         laps: number of laps.
     """
     phase = _phase(rate, period, laps)
-    return numbers("centre", centre, (2,), "m") + number("radius", radius, 0.0, "m") * np.column_stack([-np.cos(phase), np.sin(phase)])
+    return numbers("centre", centre, (2,), "m") + number("radius", radius, 0.0, "m") * np.column_stack(
+        [-np.cos(phase), np.sin(phase)]
+    )
 
 
 def eight(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
     """Return a figure of eight, 2 radii wide along z and one radius along y, with the arguments of `circle`."""
     phase = _phase(rate, period, laps)
-    return numbers("centre", centre, (2,), "m") + number("radius", radius, 0.0, "m") * np.column_stack([np.sin(2 * phase) / 2, np.sin(phase)])
+    return numbers("centre", centre, (2,), "m") + number("radius", radius, 0.0, "m") * np.column_stack(
+        [np.sin(2 * phase) / 2, np.sin(phase)]
+    )
 
 
 def checked_path(path: ArrayLike) -> np.ndarray:

@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike
 
 from control.arguments import numbers
 from control.motion import Limits
+from control.tracking.inverse import resting
 from control.tracking.linearised import PLANAR
 from control.tracking.options import TrackingOptions
 from control.tracking.paths import across, checked_path
-from control.tracking.inverse import resting
 from rom.rod.touched_segment import TouchedSegment
 
 SMOOTHING = 5e-3  # time constant of the derivative [s]
@@ -71,7 +71,7 @@ class PidController:
         return "done" if self.done else "moving"
 
     def step(self, felt: float = np.nan, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
-        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m]; None or nan without one."""
+        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m], or None."""
         if self.done:
             return self.tensions.copy()
         self.row += 1

@@ -17,7 +17,6 @@ from rom.rod.compiled.touched import Touched
 from rom.rod.touched_segment import TouchedSegment
 
 TOLERANCE = 1e-5  # largest distance of the tip from a row that counts as reached [m]
-EXCESS = 1.05  # largest planned contact force over most_force: the surface is interpolated [-]
 ROOM = 0.01  # distance of a tension from its limits, over their range, below which feedback does not use it [-]
 
 
@@ -27,7 +26,6 @@ class Plan(NamedTuple):
 
     Attributes:
         tensions: of the motors at every row, shape (n, t) [N].
-        pulled: the same in the finger; without friction in the guides these are those of the motors, shape (n, t) [N].
         tips: the path, or the object's surface in front of it, y and z, shape (n, 2) [m].
         goals: the same with a slow approach to the surface, which feedback follows, shape (n, 2) [m].
         contact_forces: of the object at rest, shape (n,) [N].
@@ -39,7 +37,6 @@ class Plan(NamedTuple):
     """
 
     tensions: np.ndarray
-    pulled: np.ndarray
     tips: np.ndarray
     goals: np.ndarray
     contact_forces: np.ndarray
@@ -80,10 +77,9 @@ def planned(
     stiffness = np.einsum("nt,ntk->nk", pressed.jacobians[:, 3, :t], gains)
     shares = np.stack([np.einsum("nkt,nt->nk", motions, tensions), ahead], axis=-1)
     change = limits.rate * options.period
-    reason = _unreached(goals, missed, bounds) or _refused(tensions, forces, pressed.inside, change, options.most_force)
+    reason = _unreached(goals, missed, bounds) or refused(tensions, forces, pressed.inside, change, options.most_force)
     return Plan(
         tensions=tensions,
-        pulled=tensions,
         tips=free_path.tips,
         goals=free_path.approached,
         contact_forces=forces,
@@ -111,7 +107,7 @@ def _unreached(goals: np.ndarray, missed: np.ndarray, bounds: Bounds) -> str:
     )
 
 
-def _refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
+def refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
     """Return the reason to refuse tensions, with the worst row; empty if they are accepted."""
     if not inside.all():
         k = int(np.argmin(inside))
@@ -124,6 +120,6 @@ def _refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, chang
             f"{changes[k]:.3g} N: slow the path"
         )
     k = int(np.argmax(forces))
-    if forces[k] > EXCESS * most_force:
-        return f"path row {k} must press with at most {most_force:g} N, got {forces[k]:.3g} N: move the path away"
+    if forces[k] > most_force:
+        return f"path row {k} must press with at most {most_force:g} N, got {forces[k]:.3g} N: slow the path"
     return ""

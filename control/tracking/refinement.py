@@ -6,6 +6,7 @@ learning filter is an optimal control of the linear model, see `control.tracking
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -59,7 +60,7 @@ def simulated(model: TouchedSegment, tensions: np.ndarray, options: TrackingOpti
     n, steps = len(tensions), int(np.ceil(options.period / SUBSTEP - 1e-9))
     tips, forces = np.full((n, 2), np.nan), np.zeros((n, steps))
     tips[0] = model.outputs(np.append(tensions[0], options.distance)[None])[0, 1:3]
-    for row, (begun, goal) in enumerate(zip(tensions[:-1], tensions[1:], strict=True), 1):
+    for row, (begun, goal) in enumerate(pairwise(tensions), 1):
         for k in range(steps):
             now = begun + (k + 1) / steps * (goal - begun)
             state = finger.step(np.append(now, options.distance), options.period / steps)

@@ -12,7 +12,7 @@ LONGER = 64  # rows after the last, with its output
 
 
 def regulator(system: Linearised, effort: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gain K of u = -K x, shape (2, n), and the Hessian of the cost by u, shape (2, 2), for the least |y|^2 + effort |u|^2."""
+    """Gain K of u = -K x with the least sum of |y|^2 + effort |u|^2, shape (2, n), and the cost's Hessian by u."""
     a, b, c, d = system[:4]
     weight, cross = d.T @ d + effort * np.eye(2), c.T @ d
     cost = solve_discrete_are(a, b, c.T @ c, weight, s=cross)
@@ -21,7 +21,7 @@ def regulator(system: Linearised, effort: float) -> tuple[np.ndarray, np.ndarray
 
 
 def inputs(system: Linearised, outputs: np.ndarray, effort: float) -> np.ndarray:
-    """Inputs u, shape (n, 2) [m], from rest, with the least sum of |y - r|^2 + effort |u|^2 for outputs r, shape (n, 2) [m].
+    """Inputs u from rest with the least sum of |y - r|^2 + effort |u|^2, for outputs r, both of shape (n, 2) [m].
 
     A backward pass prepares for all later outputs (Anderson and Moore, Optimal Control, 1990, section 4.3).
     """

@@ -5,6 +5,7 @@ Both are functions of the tip's position along the surface.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from rom.rod.touched_segment import TouchedSegment
 NODES = 17  # positions along the surface
 PRESSED = 1e-4  # depth behind the surface at which the stiffness of contact is measured [m]
 NARROW = 1e-6  # smallest length of an approach [m]
+PRESS = 0.5  # force of a plan at rest over the largest one [-]
 LEAST = 1e-3  # smallest stiffness of contact [N/m]
 EARLY = 0.5  # depth of the path at which pressing begins, over the length of the approach [-]
 
@@ -62,9 +64,7 @@ def projected(
 def approached(gap: np.ndarray, length: float) -> np.ndarray:
     """Planned gaps [m] of a path's gaps, which are equal above `length` [m] and zero below -length; twice smooth."""
     x = np.clip(gap / length, -1.0, 1.0)
-    return np.asarray(
-        np.where(gap > length, gap, length / 2 * ((1 + x) ** 2 / 2 - (1 + np.cos(np.pi * x)) / np.pi**2))
-    )
+    return np.asarray(np.where(gap > length, gap, length / 2 * ((1 + x) ** 2 / 2 - (1 + np.cos(np.pi * x)) / np.pi**2)))
 
 
 def limited(depth: np.ndarray, most: np.ndarray) -> np.ndarray:
@@ -83,31 +83,32 @@ def _surface(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Surface and largest depth of the free tip behind it, at positions along it, shapes (n,) [m]."""
     (normal, along), t, rest = axes, len(pretension), model.rod.rest[1:]
+    force = PRESS * options.most_force
     middle, half = (places.max() + places.min()) / 2, max(float(np.ptp(places)) / 2, NARROW)
     nodes = middle + half * np.linspace(-1.0, 1.0, NODES)
     found = np.empty((NODES, 2))
 
-    def touching(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def touching(place: float, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         value, jacobian = model.value_and_jacobian(np.append(tensions, options.distance))
         goal = [along @ (value[1:3] + rest) - place, value[4] - options.distance]
         return np.array(goal), np.vstack([along @ jacobian[1:3, :t], jacobian[4, :t]])
 
-    def pressing(tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def pressing(place: float, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         value, jacobian = model.value_and_jacobian(np.append(tensions, options.distance))
-        goal, rows = touching(tensions)
-        goal[1] -= options.most_force / stiffness
+        goal, rows = touching(place, tensions)
+        goal[1] -= force / stiffness
         if value[3] > 0:
-            goal[1], rows[1] = (value[3] - options.most_force) / stiffness, jacobian[3, :t] / stiffness
+            goal[1], rows[1] = (value[3] - force) / stiffness, jacobian[3, :t] / stiffness
         return goal, rows
 
-    place, goal_of = nodes[0], touching
-    start = solved(touching, pretension, pretension, bounds)
-    if options.most_force < np.inf:
+    residual = touching
+    start = solved(partial(touching, nodes[0]), pretension, pretension, bounds)
+    if force < np.inf:
         stiffness = max(float(-model.jacobian(np.append(start, options.distance - PRESSED))[3, t]), LEAST)
-        goal_of = pressing
+        residual = pressing
     for k, place in enumerate(nodes):
-        start = solved(goal_of, start, pretension, bounds)
+        start = solved(partial(residual, place), start, pretension, bounds)
         pressed, free = (model.outputs(np.append(start, d)[None])[0, 1:3] for d in (options.distance, np.inf))
         found[k] = normal @ (pressed + rest), normal @ (free - pressed)
     surface, depth = CubicSpline(nodes, found)(places).T
-    return surface, np.full(len(places), np.inf) if options.most_force == np.inf else np.maximum(depth, 0.0)
+    return surface, np.full(len(places), np.inf) if force == np.inf else np.maximum(depth, 0.0)

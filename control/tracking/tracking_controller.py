@@ -8,22 +8,26 @@ the contact force across it: the model's stiffness of contact turns an error of 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from control.motion import Limits
 from control.outcomes import beyond
+from control.tracking.guides import motor_tensions
 from control.tracking.inverse import resting
-from control.tracking.linearised import linearised
+from control.tracking.linearised import Linearised, linearised
 from control.tracking.observer import feedback
 from control.tracking.options import TrackingOptions
 from control.tracking.paths import across, checked_path
-from control.tracking.plan import planned
+from control.tracking.plan import Plan, planned, refused
 from control.tracking.refinement import refined
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.touched_segment import TouchedSegment
 
 FARTHEST = 2.0  # from the axis, over the finger's length, is no tip's reading usable [-]
+APPROACHES, SLOWER = 5, 1.5  # number of approaches that are tried, and ratio of their times [-]
 SOFT = 1.0  # smallest stiffness of contact that feedback of the force uses [N/m]
 PATIENCE = 20  # periods without a usable reading before the sensor counts as failed
 
@@ -79,9 +83,7 @@ class TrackingController:
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
         system = linearised(model, middle, own.density, own.period)
-        self.plan = planned(model, rows, system, own, self.limits)
-        if not self.plan.reason:
-            self.plan = refined(self.plan, model, system, own, self._bounds)
+        self.plan = self._planned(rows, system)
         self._system, self._filter = system, [tuple(row) for row in system.filter.tolist()]
         self._past = np.zeros(2), np.zeros(2)
         self._feedback = feedback(system, self.plan.shares, own.noise, own.drift * np.sqrt(own.period), own.effort)
@@ -93,6 +95,23 @@ class TrackingController:
         self._inputs, self._at, self._blind = np.zeros((len(rows), 2)), 1, 0
         self._state, self._unknown, self._ended = np.zeros(len(system.a)), np.zeros(4), False
         self._pressing, self.events = 0.0, list[tuple[int, str]]()
+
+    def _planned(self, path: np.ndarray, system: Linearised) -> Plan:
+        """The plan with the fastest approach whose simulated contact forces are allowed, or the reason of the last."""
+        options = self.options
+        for _ in range(APPROACHES):
+            plan = planned(self.model, path, system, options, self.limits)
+            if not plan.reason:
+                plan = refined(plan, self.model, system, options, self._bounds)
+            if not plan.contact_forces.max() > options.most_force:
+                break
+            options = replace(options, approach=SLOWER * options.approach)
+        if options.friction > 0 and not plan.reason:
+            plan = plan._replace(tensions=motor_tensions(self.model, plan.tensions, options.friction, self._bounds))
+        change = self.limits.rate * options.period
+        inside = np.ones(len(path), bool)
+        reason = plan.reason or refused(plan.tensions, plan.contact_forces, inside, change, options.most_force)
+        return plan._replace(reason=reason)
 
     @property
     def inertia(self) -> np.ndarray:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import rom
-from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOptions
-from control.tracking import PidController, circle, eight, track
+from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOptions, run
+from control.tracking import PidController, circle, eight
+from control.tracking.refinement import simulated
 
 DENSITY, PERIOD, RATE, RADIUS = 1100.0, 5e-3, 4.0, 0.004  # [kg/m^3], [s], [Hz], [m]
 OPTIONS = TrackingOptions(period=PERIOD, density=DENSITY)
@@ -39,8 +40,15 @@ def moving(model, controller, flaws: Flaws, density=DENSITY, distance=np.inf) ->
     return MovingPlant(model, distance, density, flaws, steps=5, tensions=controller.plan.tensions[0])
 
 
+def track(controller, plant):
+    """The report of a run of the whole path, without a pull that failed."""
+    report = run([controller], [plant], controller.periods)
+    assert report.unread == 0
+    return report
+
+
 def rms(found, path=PATH) -> float:
-    return float(np.sqrt((found.errors(path, LAP) ** 2).mean()))
+    return float(np.sqrt((found.errors(path)[LAP:] ** 2).mean()))
 
 
 @pytest.mark.parametrize("delay", [0, 2])
@@ -101,7 +109,7 @@ def test_tensions_keep_their_limits(finger):
     found = track(controller, moving(finger, controller, flaws))
     assert found.tensions.max() <= 30.0 and found.tensions.min() >= 0.0
     assert np.abs(np.diff(found.tensions, axis=0)).max() <= 800.0 * PERIOD + 1e-9
-    assert np.isfinite(found.tips).all()
+    assert np.isfinite(found.tips).all() and found.tensions.shape == (len(PATH) - 1, 1, 2)
 
 
 def test_contact_at_speed_presses_little_more_than_planned_and_little_beside_the_path(finger):
@@ -128,21 +136,22 @@ def test_a_plane_that_was_not_planned_is_pressed_with_a_bounded_force(finger, ma
 def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     blind = copy.deepcopy(made)
     for k in range(30):
-        blind.step(np.full(3, np.nan))
+        blind.step()
         assert blind.tensions == pytest.approx(made.plan.tensions[2 + k], abs=1e-12)
     assert blind.status == "sensor_failed"
     again = copy.deepcopy(blind)
     while not again.done:
-        again.step(np.full(3, np.nan))
+        again.step()
     assert again.status == "sensor_failed"
-    blind.step([0.047, *PATH[31]])
+    blind.step(tip=[0.047, *PATH[31]])
     assert blind.status == "moving" and np.isfinite(blind.tensions).all()
-    with pytest.raises(ValueError, match=r"tip must be x, y and z, got shape \(2,\)"):
-        blind.step(PATH[32])
+    assert [event for _, event in blind.events] == ["blind", "sees again"]
+    with pytest.raises(ValueError, match=r"tip must be numbers x, y and z \[m\], got array"):
+        blind.step(tip=PATH[32])
     before = copy.deepcopy(blind)
     for wild, age in ((0.01, 1.0), (0.01, -1.0), (0.01, np.nan), (1e300, 0.0)):  # too old, of no time, or no finger's
-        blind.step([wild, wild, wild], age=age)
-        before.step(np.full(3, np.nan))
+        blind.step(tip=[wild, wild, wild], age=age)
+        before.step()
         assert np.array_equal(blind.tensions, before.tensions)
 
 
@@ -159,7 +168,7 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
     controller = TrackingController(finger, path[: LAP + 20], options, limits)
     assert controller.status == "unreachable" and controller.done
     assert re.search(rf"^path row \d+ {reason}", controller.reason)
-    assert np.array_equal(controller.step([0.047, 0.01, 0.01]), controller.plan.tensions[0])
+    assert np.array_equal(controller.step(tip=[0.047, 0.01, 0.01]), controller.plan.tensions[0])
 
 
 @pytest.mark.parametrize(
