@@ -19,7 +19,7 @@ def number(
     if _is_number(value) and lowest <= value <= most:
         return float(value)
     rule = f"of at least {lowest:g}" if highest == np.inf else f"from {lowest:g} to {highest:g}"
-    raise ValueError(f"{name} must be a {_kind(infinite)} {rule} {unit}, got {value!r}")
+    raise ValueError(f"{name} must be a {_kind(infinite)} {rule}{_shown(unit)}, got {value!r}")
 
 
 def positive(name: str, value: Any, unit: str = "-", *, infinite: bool = False) -> float:
@@ -30,7 +30,7 @@ def positive(name: str, value: Any, unit: str = "-", *, infinite: bool = False) 
     """
     if _is_number(value) and 0 < value <= (np.inf if infinite else np.finfo(float).max):
         return float(value)
-    raise ValueError(f"{name} must be a {_kind(infinite)} above 0 {unit}, got {value!r}")
+    raise ValueError(f"{name} must be a {_kind(infinite)} above 0{_shown(unit)}, got {value!r}")
 
 
 def numbers(name: str, value: Any, shape: tuple[int | None, ...], unit: str) -> np.ndarray:
@@ -53,6 +53,10 @@ def numbers(name: str, value: Any, shape: tuple[int | None, ...], unit: str) -> 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "-" else f" {unit}"
 
 
 def _kind(infinite: bool) -> str:
