@@ -130,7 +130,8 @@ def run(
                 tips[k, i] = getattr(plant, "true_tip", np.full(3, np.nan))[1:]
                 forces[k, i] = getattr(plant, "contact_force", np.nan)
             except Exception as error:
-                logger.warning("period %d, finger %d: no reading, %s", k, i, error)
+                level = logging.DEBUG if k and np.isnan(felt[k - 1, i]) else logging.WARNING  # once until the next one
+                logger.log(level, "period %d, finger %d: no reading, %s", k, i, error)
                 felt[k, i], ages[i], unread = np.nan, 0.0, unread + 1
         started = time.perf_counter()
         wanted = targets(k) if targets else None

@@ -54,6 +54,6 @@ class TrackingOptions:
         number("pretension", self.pretension, 0.0, highest=1.0)
         number("friction", self.friction, 0.0)
         positive("most_force", self.most_force, "N", infinite=True)
-        number("distance", self.distance, -np.inf, "m", infinite=True)
+        number("distance", self.distance, 0.0, "m", infinite=True)
         if self.density is not None:
             positive("density", self.density, "kg/m^3")

@@ -77,7 +77,22 @@ CASES = (
 )
 
 
-class GuidedPlant(MovingPlant):
+class Stopping(MovingPlant):
+    """A moving finger that stops when it has left the domain of its elements."""
+
+    left = False
+
+    def pull(self, tensions: ArrayLike) -> float:
+        """See `control.Plant`."""
+        if self.left:
+            raise ValueError("the finger must stay in its domain, got one that left it")
+        self.left = True
+        felt = super().pull(tensions)
+        self.left = False
+        return felt
+
+
+class GuidedPlant(Stopping):
     """A moving finger whose tendons rub in their guides: its tensions are the means that friction at rest leaves."""
 
     def __init__(self, model: TouchedSegment, friction: float, tensions: np.ndarray, flaws: Flaws):
@@ -116,9 +131,9 @@ def followed(
     """Errors [m], forces [N] and times [us] after the first lap; None if the finger left its domain."""
     flaws, rest = Flaws(period=PERIOD, delay=case.delay, tip_noise=case.noise), plan.tensions[0]
     if case.friction > 0:
-        plant: MovingPlant = GuidedPlant(model, case.friction, rest, flaws)
+        plant: Stopping = GuidedPlant(model, case.friction, rest, flaws)
     else:
-        plant = MovingPlant(model, case.distance, flaws=flaws, steps=STEPS, tensions=rest)
+        plant = Stopping(model, case.distance, flaws=flaws, steps=STEPS, tensions=rest)
     found = run([controller], [plant], len(goals) - 1)
     if found.unread:
         return None

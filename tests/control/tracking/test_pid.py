@@ -43,9 +43,9 @@ def test_without_a_reading_its_last_error_acts_and_after_the_path_nothing_does(f
 @pytest.mark.parametrize(
     ("path", "gains", "pulled", "message"),
     [
-        (PATH[:2], (0.0, 1.0, 0.0), None, "path must be at least three finite rows of y and z"),
-        (PATH, (0.0, np.nan, 0.0), None, "gains must be finite"),
-        (PATH, (0.0, 1.0, 0.0), np.zeros((9, 2)), "pulled must be 2 finite tensions a row of the path"),
+        (PATH[:2], (0.0, 1.0, 0.0), None, "path must have at least three rows of y and z"),
+        (PATH, (0.0, np.nan, 0.0), None, "gains must be finite numbers"),
+        (PATH, (0.0, 1.0, 0.0), np.zeros((9, 2)), r"pulled must be finite numbers \[N\] of shape \(60, 2\), got shape"),
     ],
 )
 def test_wrong_input_is_refused_in_a_line(finger, path, gains, pulled, message):
