@@ -66,7 +66,7 @@ class Polynomial:
 
     def plus(self, other: Polynomial) -> Polynomial:
         """The sum with a polynomial on the same box."""
-        powers = max(self.powers, other.powers, key=len)
+        powers = np.unique(np.concatenate([self.powers, other.powers]), axis=0)
         return replace(self, powers=powers, coefficients=self._by(powers) + other._by(powers))
 
     def _by(self, powers: np.ndarray) -> np.ndarray:

@@ -108,7 +108,7 @@ static int place_all(const fingerfem_chain *chain, const double *tensions, const
                      chain_state *state)
 {
     double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
-    tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_clamped(chain, tensions, held);
     chain_set_tensions(chain, held, memory, map);
     chain_contract(map);
     return all_bodies(map) && chain_take_loads(map, loads, wrench) && chain_under(map, wrench, state);
@@ -171,7 +171,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     memcpy(seen, point, (size_t)t * sizeof *seen);
     if (branches) relaxation_begin(&chain, branches, length, relaxing, &relaxation);
     if (branches) relaxation_tensions(&relaxation, point, seen);
-    *inside = tensions_all_clamped(chain.segments[0], seen, held);
+    *inside = chain_clamped(&chain, seen, held);
     chain_set_tensions(&chain, held, memory, &map);
     if (branches) relaxation_set(&relaxation, &map);
     chain_contract(&map);

@@ -17,7 +17,7 @@ def tables(rod: Rod) -> list[Table | str]:
     """Tables for people: a finger's segments, tendons, and its elements' errors of left-out lines."""
     left_out = rod.elements.provenance["left_out"]
     rows = [
-        [str(k + 1), f"{1e3 * length:g}", ", ".join(piece.kind for piece in reversed(own))]
+        [str(k + 1), f"{1e3 * length:g}", ", ".join(map(str, reversed(own)))]
         for k, (length, own) in enumerate(zip(rod.scene["geometry"]["segments"], rod.pieces, strict=True))
     ]
     force, free = left_out["contact_force"], left_out["free_place_m"]
