@@ -23,7 +23,7 @@ class Surface:
         facets = np.sort(np.concatenate([problem.mesh.facets.find(kind) for kind in (*regions.SURFACE, regions.WALL)]))
         mesh.topology.create_connectivity(dim - 1, dim)
         mesh.topology.create_connectivity(dim, dim - 1)
-        corners = dmesh.entities_to_geometry(mesh, dim - 1, facets).reshape(-1, 4)
+        corners = dmesh.entities_to_geometry(mesh, dim - 1, facets).reshape(len(facets), -1)[:, :4]
         vertices = mesh.geometry.x[corners]  # (facets, 4, 3), in tensor order
         points = problem.space.tabulate_dof_coordinates()
         self._nodes = cKDTree(points).query(vertices.reshape(-1, 3))[1] if len(corners) else np.empty(0, int)

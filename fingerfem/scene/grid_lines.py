@@ -48,13 +48,13 @@ def lines_along(outline: GridOutline, mesh: Mesh) -> np.ndarray:
     return x
 
 
-def section_mesh(outline: GridOutline, across: int, half: bool = False) -> PlaneMesh:
-    """The section's mesh at the clamp; its half z >= 0 where half the finger is modelled.
+def section_mesh(outline: GridOutline, across: int, half: bool = False, order: int = 1) -> PlaneMesh:
+    """The section's mesh at the clamp, of cells of an order; its half z >= 0 where half the finger is modelled.
 
     Raises:
         ValueError: the cells across cannot hold the channels or the pad, or a file is not of this finger.
     """
-    section, wanted = outline.geometry.shape, outline.wanted(across, half)
+    section, wanted = outline.geometry.shape, outline.wanted(across, half, order)
     try:
         mesh = check_cavities(section.mesh(wanted), wanted.cavities)
         for inlay in wanted.inlays:

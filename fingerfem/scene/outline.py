@@ -69,8 +69,8 @@ class GridOutline(NamedTuple):
         last = RUBBER - 1 - len(self.chambers)
         return [Inlay(**_inside(one), tag=last - k) for k, one in enumerate(self.materials)]
 
-    def wanted(self, across: int, half: bool) -> Wanted:
-        """Requirements on the section's mesh, with cells across."""
+    def wanted(self, across: int, half: bool, order: int) -> Wanted:
+        """Requirements on the section's mesh, with cells across of an order."""
         return Wanted(
             columns=self.columns,
             width=self.geometry.channel_width,
@@ -79,6 +79,7 @@ class GridOutline(NamedTuple):
             half=half,
             cavities=self.cavities,
             inlays=self.inlays,
+            curved=order > 1,
         )
 
 

@@ -180,7 +180,7 @@ class Scene(SceneTable):
 
     def _check_mesh(self, mesh: Mesh) -> None:
         lines_along(self.outline, mesh)
-        section_mesh(self.outline, mesh.cells[1], self.is_half)
+        section_mesh(self.outline, mesh.cells[1], self.is_half, mesh.order)
 
     @model_validator(mode="after")
     def _pressure_has_a_pad(self) -> Scene:

@@ -72,6 +72,7 @@ class Wanted:
         half: whether the half z >= 0 is meshed.
         cavities: of the chambers.
         inlays: of the other materials.
+        curved: whether cells may have curved sides, as those of order 2.
     """
 
     columns: Sequence[Column]
@@ -81,6 +82,7 @@ class Wanted:
     half: bool = False
     cavities: Sequence[Cavity] = ()
     inlays: Sequence[Inlay] = ()
+    curved: bool = False
 
     @property
     def is_planar(self) -> bool:

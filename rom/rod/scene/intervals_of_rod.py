@@ -48,8 +48,8 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
             )
         if chambers := scene.get("chambers"):
             raise ModelError(
-                f"materials.{one['name']}.x must be left out of a rod with chambers, as their ends are part of what its "
-                f"clamp piece shows, got {one['x']} with {chambers[0]['name']}"
+                f"materials.{one['name']}.x must be left out of a rod with chambers, whose ends lie in its clamp piece, "
+                f"got {one['x']} with {chambers[0]['name']}"
             )
         try:
             stiffer = modulus_of(trained["material"], one["material"])
