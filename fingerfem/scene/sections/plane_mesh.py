@@ -57,7 +57,7 @@ class PlaneMesh:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """Areas of the quadrilaterals, shape (quads,) [m^2]: half the cross product of the diagonals, and the segments."""
+        """Areas of the quadrilaterals, shape (quads,) [m^2]: half the cross product of the diagonals plus segments."""
         a, b, c, d = self.corners.transpose(1, 0, 2)
         return np.asarray(_cross(c - a, d - b) / 2 + self._segments.sum(axis=1))
 
@@ -142,7 +142,7 @@ class PlaneMesh:
         return np.asarray(self._sides[self._on_border])
 
     def of_order_2(self) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes of cells of order 2, shape (nodes, 2) [m], and every quadrilateral's in tensor order, shape (quads, 9)."""
+        """Nodes of cells of order 2, shape (nodes, 2) [m], and of quadrilaterals in tensor order, shape (quads, 9)."""
         count, quads = len(self.points), len(self.quads)
         pairs = np.sort(self._sides.reshape(-1, 2), axis=1)
         _, first, side = np.unique(pairs, axis=0, return_index=True, return_inverse=True)

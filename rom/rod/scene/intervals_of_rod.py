@@ -48,7 +48,7 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
             )
         if chambers := scene.get("chambers"):
             raise ModelError(
-                f"materials.{one['name']}.x must be left out of a rod with chambers, whose ends lie in its clamp piece, "
+                f"materials.{one['name']}.x must be left out of a rod with chambers, which end in its clamp piece, "
                 f"got {one['x']} with {chambers[0]['name']}"
             )
         try:
