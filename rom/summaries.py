@@ -11,7 +11,7 @@ from rom.separated.model import SeparatedModel
 
 
 def origin(snapshots: SnapshotSet) -> dict[str, Any]:
-    """What a model was made from, in plain data."""
+    """Origin of a model in plain data: fingerprint, versions, and numbers of states."""
     return {
         "fingerprint": snapshots.description.fingerprint,
         "versions": snapshots.description.versions,

@@ -83,13 +83,13 @@ def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
 
 
 def _rubber(scene: Scene) -> list[tuple[float, float]]:
-    """Where the rubber of every segment begins and ends [m]."""
+    """Start and end of every segment's rubber [m]."""
     begins = [0.0, *(end for _, end in scene.outline.plates)]
     return list(zip(begins, (begin for begin, _ in scene.outline.plates), strict=False))
 
 
 def _check_ends(scene: Scene, k: int, chamber: Chamber) -> None:
-    """Of a finger with a load, a chamber ends within the end pieces of a segment's elements, and not at its clamp."""
+    """Requires that a chamber of a finger for elements ends within its segment's end pieces, and not at its clamp."""
     side, near = END * scene.geometry.side, scene.outline.tolerance
     first, last = next((a, b) for a, b in _rubber(scene) if chamber.x[1] <= b + near)
     if not (near < chamber.x[0] - first < side + near and last - side - near < chamber.x[1]):
@@ -172,7 +172,7 @@ def check_materials(scene: Scene) -> None:
 
 
 def _overlap(one: Material, other: Material, near: float) -> bool:
-    """Whether two materials share cells; groups of a file do not."""
+    """True if two materials share cells; groups of a file do not."""
     spans = [(0.0, np.inf) if part.x is None else part.x for part in (one, other)]
     if min(span[1] for span in spans) - max(span[0] for span in spans) <= near:
         return False

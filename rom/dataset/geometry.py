@@ -19,7 +19,7 @@ def sizes_of(geometry: Mapping[str, Any]) -> np.ndarray:
 
 
 def plates_of(geometry: Mapping[str, Any]) -> np.ndarray:
-    """Where every segment's plate begins and ends along the finger, shape (segments, 2) [m]."""
+    """Start and end of every segment's plate along the finger, shape (segments, 2) [m]."""
     ends = np.cumsum(geometry["segments"])
     return np.column_stack([ends - geometry["plate"] * sizes_of(geometry)[1:], ends])
 

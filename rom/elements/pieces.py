@@ -36,7 +36,7 @@ class Piece(NamedTuple):
 
     @property
     def size(self) -> float:
-        """Of the prismatic element that stands for it [-]: of the same compliance in bending by a tendon.
+        """Size of the prismatic element that replaces it [-]: one of equal compliance in bending by a tendon.
 
         A curvature by a tendon goes with 1 / size^3, of which this is the mean.
         """

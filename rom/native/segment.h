@@ -353,10 +353,11 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
                    int32_t *inside, fingerfem_pressing *pressing);
 
-/* Mass matrix, and motions by wrenches, of all bodies in their own frames, (6 bodies, 6 bodies), at tensions without loads; of bodies from
- * the clamp to the tip. Returns 0 if there are more bodies than there is room for. */
-int fingerfem_linearise(const fingerfem_chain *chain, const fingerfem_inertia *inertia, const double *tensions, double *memory, double *mass,
-                        double *compliance);
+/* Mass matrix, and motions by wrenches, of all bodies in their own frames, (6 bodies, 6 bodies), from the clamp to the tip, about the
+ * equilibrium at a point, (tensions + count), of which the loads are those of `fingerfem_touch`; contacts that press stay closed. Returns 0
+ * if there are more bodies than there is room for, or no equilibrium. */
+int fingerfem_linearise(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *loads,
+                        double *memory, double *mass, double *compliance);
 
 /* The bodies at rest at tensions and loads, as `moving` of a first step, and what relaxes of so many branches; returns 0 if there are more
  * bodies than there is room for. */

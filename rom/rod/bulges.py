@@ -1,4 +1,4 @@
-"""How high pressure in a chamber lifts the face over it, at most: contact there is no part of a rod's model.
+"""Bound of the height by which pressure in a chamber lifts the face over it: a rod's model has no contact there.
 
 A chamber grows mostly towards the face over its thinnest wall, along which it is wide. Its growth per length, over its
 width, is at least the mean height of that wall; SHAPE times that bounds the height of the middle. In 80 held-out states

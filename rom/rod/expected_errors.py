@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Added(NamedTuple):
-    """What changes along the axis add to errors of contact forces [-], positions [m], turns [rad], shortenings [m].
+    """Additions by changes along the axis to errors of contact forces [-], positions [m], turns [rad], shortenings [m].
 
     In constants, the lengths are over that of the finger.
     """
@@ -88,7 +88,7 @@ class ExpectedErrors:
 def expected_errors(
     elements: Elements, kinds: Iterable[str], size: float, longer: float, added: Added = NOTHING
 ) -> ExpectedErrors:
-    """Those of a finger.
+    """Expected errors of a finger.
 
     Args:
         elements: as they were trained.
@@ -114,7 +114,7 @@ def expected_errors(
 
 
 def errors_of(rod: Rod) -> ExpectedErrors:
-    """Those of a finger; at least those on the log of its calibration."""
+    """Expected errors of a finger; at least those on the log of its calibration."""
     trained, geometry = sum(rod.elements.scene["geometry"]["segments"]), rod.scene["geometry"]
     thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in rod.pieces]
     longer = float(np.dot(thinner, geometry["segments"]) / (rod.similarity.size * trained))

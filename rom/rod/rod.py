@@ -195,7 +195,7 @@ class Rod(PickledByFields):
         return self.strokes(tensions, wrenches)[len(self.scene["tendons"]) :]
 
     def strokes(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
-        """What the loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
+        """Strokes that loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
         return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(

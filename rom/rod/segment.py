@@ -76,7 +76,7 @@ class Segment(PickledByFields):
 
     @cached_property
     def young_modulus(self) -> float:
-        """Of the rubber at small strain, as the segment stretches where it is alone [Pa]."""
+        """Young's modulus of the rubber at small strain [Pa]; if not stored, from the segment's stretch."""
         if self.rubber is not None:
             return self.rubber[0]
         pull = 1e-3 * self.elements[0].polynomial.upper[-6]
@@ -130,7 +130,7 @@ class Segment(PickledByFields):
 
     @cached_property
     def struct(self) -> Any:
-        """For compiled code, a struct fingerfem_segment.
+        """Struct fingerfem_segment for compiled code.
 
         Raises:
             ModelError: a segment beyond what compiled code holds.
@@ -139,7 +139,7 @@ class Segment(PickledByFields):
 
     @property
     def condensed(self) -> compiled.CondensedSegment:
-        """What of it is compiled: its elements by pose, its variants, and by the shortenings of its tendons."""
+        """Parts for compiled code: elements by pose, their variants, and shortenings of the tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
         shortenings = {id(one): _values(one, [POSE + k for k in self.trained]) for one in self.elements}
         return compiled.CondensedSegment(
@@ -245,7 +245,7 @@ def _guided(scene: dict[str, Any], loads: int) -> np.ndarray:
 
 
 def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:
-    """Of load k's channel; 0 of a straight tendon and of a chamber, which come after the tendons."""
+    """Offset of load k's channel [m]; 0 for a straight tendon and for a chamber, which come after the tendons."""
     has_channel = k < len(tendons) and tendons[k].get("path", "channel") == "channel"
     return tendons[k]["offset"] if has_channel else [0.0, 0.0]
 

@@ -48,7 +48,7 @@ class Placed:
 
     @property
     def length(self) -> float:
-        """From there to its proximal section at rest [m]."""
+        """Length from there to its proximal section at rest [m]."""
         return self.piece.length
 
 
@@ -213,7 +213,7 @@ def edges(rod: Rod) -> np.ndarray:
 
 
 def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:
-    """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
+    """True if points or positions at rest, shape (n, 3) or (n, 1) [m], are not all in the finger."""
     along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:])
     return not ((along <= 1 + SHARE).all() and (across <= np.asarray(half) * (1 + SHARE)).all())
 

@@ -23,7 +23,7 @@ SHORTEST = 1e-6  # least length of a direction [-]
 
 @brief
 class Weight(NamedTuple):
-    """What a finger weighs, by rows: of every segment its plate, then its elements from the plate to the clamp.
+    """Masses of a finger by rows: of every segment its plate, then its elements from the plate to the clamp.
 
     Attributes:
         gravity: acceleration seen from the clamp, shape (3,) [m/s^2].

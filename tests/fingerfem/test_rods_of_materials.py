@@ -1,4 +1,4 @@
-"""Rods of rubber, a stiff layer and a heavy core beside the full-order model; with weight, and with a taper."""
+"""Rods of several materials against the full-order model: a stiff layer and a heavy core, with weight and taper."""
 
 from typing import Any
 

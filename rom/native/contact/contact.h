@@ -78,6 +78,16 @@ static inline const fingerfem_object *contact_object(const contact_problem *prob
 
 static inline int contact_is_there(const contact_problem *problem, int j) { return isfinite(problem->ahead[j]); }
 
+/* Set `ahead` by the d of all objects, (count), which come as the first one that is there; returns that one's d, 0 without one. */
+static inline double contact_lead(contact_problem *problem, const double *distances)
+{
+    const int count = problem->touching->count;
+    double d = 0.0;
+    for (int j = count - 1; j >= 0; j--) d = isfinite(distances[j]) ? distances[j] : d;
+    for (int j = 0; j < count; j++) problem->ahead[j] = isfinite(distances[j]) ? distances[j] - d : INFINITY;
+    return d;
+}
+
 /* Numbers of all wrenches. */
 static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }
 

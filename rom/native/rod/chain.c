@@ -122,6 +122,14 @@ int chain_add_body(chain_rods *map, int segment, int element)
     return b;
 }
 
+int chain_all_bodies(chain_rods *map)
+{
+    for (int k = 0; k < map->chain->plates; k++)
+        for (int e = 1; e < map->chain->segments[k]->elements; e++)
+            if (chain_add_body(map, k, e) < 0) return 0;
+    return 1;
+}
+
 int chain_load_of(const chain_rods *map, int body)
 {
     const chain_place *own = map->bodies + body;

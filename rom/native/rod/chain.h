@@ -78,6 +78,9 @@ int chain_body_of(const chain_rods *map, int segment, int element);
  * numbers of those beyond it grow by one. */
 int chain_add_body(chain_rods *map, int segment, int element);
 
+/* Make every plate and section a body; returns 0 if there is no room. */
+int chain_all_bodies(chain_rods *map);
+
 /* The number of a plate, or of a body among the chain's loads: wrenches on the plates, then on the sections where the other
  * elements of each segment begin, from its plate to its clamp. */
 int chain_plate_of(const chain_rods *map, int plate);

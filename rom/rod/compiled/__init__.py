@@ -25,7 +25,7 @@ from rom.rod.compiled.arrangement import (
     tension_monomials,
     variants,
 )
-from rom.rod.compiled.indentation import Outlined, indentations
+from rom.rod.compiled.indentation import indentations
 from rom.rod.compiled.outlines import Outline, knots_of, outline_of
 
 CORNERS = LIBRARY.constants.FINGERFEM_CORNERS
@@ -117,10 +117,10 @@ def struct(segment: CondensedSegment) -> Any:
         slices = known["places"] - 1
         pitch = np.ptp(knots) / slices
         half, section = segment.half_lengths[1:].mean() * (1 + segment.begins) / 2, segment.section
-        outlined = None
+        rubber, filled = (segment.young_modulus, segment.poisson), None
         if section is not None and not section.is_rectangle:
-            outlined = Outlined(filled=section.area / float(np.prod(2 * section.box)), poisson=segment.poisson)
-        known |= indentations(segment.young_modulus, half, pitch, slices, outlined)
+            filled = section.area / float(np.prod(2 * section.box))
+        known |= indentations(rubber, half, pitch, slices, filled)
         known["outline"] = LIBRARY.pointers("fingerfem_outline", corners_of)
     if segment.shortenings is not None:
         sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
