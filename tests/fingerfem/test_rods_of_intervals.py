@@ -11,7 +11,7 @@ from rom.build import train_rod
 from rom.dataset.snapshot_set import SnapshotSet
 
 CELL = 0.0025  # of the trained mesh, which has sections at one side from the clamp [m]
-TENSIONS = np.array([[2.3, 0.4], [0.9, 2.0], [1.4, 2.6]])  # [N]
+TENSIONS = np.array([[2.3, 0.4], [3.2, 1.0], [2.8, 2.0]])  # [N]
 TABLE: dict[str, Any] = {
     "name": "finger",
     "geometry": {"side": 0.010, "segments": [0.046], "plate": 0.001},
