@@ -26,7 +26,7 @@ TABLE: dict[str, Any] = {
 
 @pytest.mark.long
 def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
-    """Within 0.3 and 1 %, where the stiffer material begins in the middle, or at the clamp."""
+    """Within 0.5 and 2 %, where the stiffer material begins in the middle, or at the clamp. Poisson's ratio is 0.41."""
     sampling = {"lines": 20, "wrenches": 4}
     (tmp_path / "scene.toml").write_text(toml(TABLE | {"load": {"force": 0.3}, "sampling": sampling}))
     run(2, tmp_path / "scene.toml", tmp_path / "set")
@@ -34,4 +34,4 @@ def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
     for ratio, begin, end in ((3.0, 7, 11), (20.0, 7, 11), (4.0, 0, 7)):
         law = {"law": "neo-hookean", "C1": ratio * 1e5, "D1": 2e-6 / ratio}
         part = {"name": "stiff", "region": "section", "x": [begin * CELL, end * CELL], "material": law}
-        compare(trained, TABLE | {"materials": [part]}, TENSIONS, 3e-3, 1e-2)
+        compare(trained, TABLE | {"materials": [part]}, TENSIONS, 5e-3, 2e-2)

@@ -37,7 +37,7 @@ def chambers(segment: int) -> list[dict[str, Any]]:
 
 @pytest.mark.long
 def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
-    """Within 0.1 and 1 %, free and before a plane, with growths of the volumes within 0.5 % of the largest."""
+    """Within 0.3 and 1 %, free and before a plane, with growths of the volumes within 0.5 % of the largest."""
     one = TABLE | {"chambers": chambers(0)}
     load = {"force": 0.3, "moment": 0.02, "reach": LENGTH}
     (tmp_path / "scene.toml").write_text(toml(one | {"load": load, "sampling": {"lines": 20, "wrenches": 3}}))
@@ -51,7 +51,7 @@ def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
     empty = np.prod([0.006, 0.012]) * (SPAN[1] - SPAN[0])
     for loads in LOADS:
         free, state = model.evaluate([*loads, np.inf]), full.solve(loads, sensitivities=False)
-        assert free.inside and np.linalg.norm(free.tip - state.tip) < 1e-3 * np.linalg.norm(state.tip)
+        assert free.inside and np.linalg.norm(free.tip - state.tip) < 3e-3 * np.linalg.norm(state.tip)
         grown = np.array(list(state.chamber_volumes.values())) - empty
         assert free.growths == pytest.approx(grown, abs=5e-3 * np.abs(grown).max())
         distance = DEPTH * float(free.touch_distance)
