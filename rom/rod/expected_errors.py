@@ -35,7 +35,7 @@ class Added(NamedTuple):
 NOTHING = Added(0.0, 0.0, 0.0, 0.0)
 TAPER = Added(0.05, 7e-3, 0.03, 4e-3)  # over the steepest change of the side per length, to 1:2 (docs/accuracy.md)
 # Over the sum of s (1 - s) of all transitions between materials, with the share s of `rom.elements.transition`: none
-# where a neighbour is as stiff, or rigid. Measured at moduli of 0.5 to 100 and Poisson's ratio 0.3.
+# where a neighbour is as stiff, or rigid. Measured at moduli of 0.5 to 100, and Poisson's ratios of 0.3 and 0.41.
 TRANSITION = Added(0.02, 6e-3, 0.01, 2e-3)
 SOLID = (
     0.29  # shear compliance times bending stiffness of solid sections of rubber, over the extent's square, at most [-]
