@@ -1,4 +1,4 @@
-"""What the controllers ask of a model, whichever it is."""
+"""The interface of models for controllers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a controller drives: a finger whose tendons are pulled and whose force is felt; and what may go wrong."""
+"""Plants of controllers: fingers whose tendons are pulled and whose contact force is read, and their faults."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Flaws:
 
 
 class Sensor:
-    """A force sensor with flaws; where the tip is given, also a sensor of it.
+    """A force sensor with flaws; if it reads tips, also a sensor of the tip.
 
     Attributes:
         age: of the last reading [s].
@@ -215,7 +215,7 @@ class Slipping:
 
 
 class Dead:
-    """A finger whose sensor says nothing (NaN) during some pulls."""
+    """A finger whose sensor reads NaN during some pulls."""
 
     def __init__(self, plant: Plant, begin: int, end: float = np.inf):
         self._plant, self._begin, self._end, self._pulls = plant, begin, end, 0

@@ -95,7 +95,7 @@ class Pull:
 
 
 class Grip:
-    """The controller of one finger; `step` takes a reading and says what to pull next.
+    """The controller of one finger; `step` takes a reading and returns the next tensions.
 
     Attributes:
         tensions: to be pulled now, shape (tensions,) [N].
@@ -176,7 +176,7 @@ class Grip:
 
     @property
     def done(self) -> bool:
-        """Whether it holds, or has given up."""
+        """Whether it holds its target, or has failed."""
         return self.status != "moving"
 
     def step(self, felt: float, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
