@@ -14,7 +14,7 @@ ANGULAR = 2 * np.pi * np.array([[9.0, 50.0], [11.0, 60.0]])  # of both modes in 
 
 
 def pulses(angular: np.ndarray) -> np.ndarray:
-    """Of modes with y_i'' = w_i^2 (a_i u - y_i), whose input changes linearly in a period."""
+    """Pulse response of modes with y_i'' = w_i^2 (a_i u - y_i), whose input changes linearly in a period."""
     a, b = np.zeros((4, 4)), np.zeros((4, 1))
     for k, (w, share) in enumerate(zip(angular, SHARES, strict=True)):
         a[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = [[0, 1], [-(w**2), 0]]
@@ -29,7 +29,7 @@ def pulses(angular: np.ndarray) -> np.ndarray:
 
 
 def frequencies(system) -> np.ndarray:
-    """Of the poles that are hardly damped, not of the filter's [rad/s]."""
+    """Frequencies of the poles that are hardly damped, without the filter's [rad/s]."""
     poles = np.linalg.eigvals(system.a)
     return np.sort(np.abs(np.angle(poles[np.abs(poles) > 0.98]))) / PERIOD
 
