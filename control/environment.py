@@ -44,7 +44,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         steps: of an episode.
         flaws: of the simulated finger.
         density: of its rubber [kg/m^3]: a finger of elements moves as its mass lets it, in steps of the flaws' period.
-            Without one it is at rest after every change. Where it moves out of its elements' domain the episode ends.
+            Without one it is at rest after every change. If it moves out of its elements' domain the episode ends.
 
     Raises:
         ValueError: a model without an obstacle, a table with a density, or targets that are not in order above 0.

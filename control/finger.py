@@ -131,7 +131,7 @@ class Finger:
 
     @property
     def _units(self) -> str:
-        """Of the tensions, for a sentence."""
+        """Units of the tensions, for a sentence."""
         return "N, Pa" if self.pressures else "N"
 
     def _refused(self, point: np.ndarray, distance: float) -> str:

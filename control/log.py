@@ -83,7 +83,7 @@ class Log:
     distance: np.ndarray = field(repr=False)
 
     def has(self, quantity: str) -> bool:
-        """Whether the file has a column of a quantity, such as "tension", "x", "qw" or "contact force"."""
+        """True if the file has a column of a quantity, such as "tension", "x", "qw" or "contact force"."""
         return any(name == quantity or name.split()[0] == quantity for name in self.headings)
 
     def only(self, rows: np.ndarray) -> Log:

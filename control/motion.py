@@ -62,7 +62,7 @@ class Motion:
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met."""
+        """True if the target is met."""
         return self.status == "converged"
 
     def as_json(self) -> dict[str, Any]:

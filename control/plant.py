@@ -28,7 +28,7 @@ def age_of(plant: Plant) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Flaws:
-    """How a simulated finger differs from its model.
+    """Deviations of a simulated finger from its model.
 
     Attributes:
         noise: standard deviation of the force sensor [N].
@@ -202,7 +202,7 @@ class Slipping:
 
     @property
     def age(self) -> float:
-        """Of the last reading [s]."""
+        """Age of the last reading [s]."""
         return age_of(self._plant)
 
     def pull(self, tensions: ArrayLike) -> float:
@@ -222,7 +222,7 @@ class Dead:
 
     @property
     def age(self) -> float:
-        """Of the last reading [s]."""
+        """Age of the last reading [s]."""
         return age_of(self._plant)
 
     def pull(self, tensions: ArrayLike) -> float:

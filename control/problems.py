@@ -181,7 +181,7 @@ def grip(
 ) -> tuple[np.ndarray, Any]:
     """Find the plane from a reading [N] at the tensions `then`; then tensions near the present that hold `aim` [N].
 
-    Of the plane's distance [m], nan before the first reading, a share `gain` of the correction is taken.
+    The plane's distance [m], nan before the first reading, is corrected by a share `gain`.
 
     Returns:
         tensions [N], and the outcome: distance, force that was expected before the reading [N], status of holding.

@@ -52,7 +52,7 @@ class Estimate:
 
     @property
     def determined(self) -> bool:
-        """Whether the log determines the parameter."""
+        """True if the log determines the parameter."""
         return self.interval is not None
 
 

@@ -47,8 +47,8 @@ class _Feeling:
         Args:
             tensions: measured, shape (t,) [N].
             shortenings: measured, shape (t,) [m]; zero where the finger is straight and no tendon is pulled.
-            expected: values of unknowns by name with their standard deviations; 0 if a value is known. Of the
-                others, an even distribution over the range is expected.
+            expected: values of unknowns by name with their standard deviations; 0 if a value is known. The others
+                are expected to be evenly distributed over their ranges.
             hint: where the search begins: the last estimate, or values of the k unknowns, shape (k,).
 
         Raises:

@@ -125,7 +125,7 @@ class Newton:
                 problem.extrapolate_stress()
 
     def round_off(self) -> float:
-        """What the residual is off by if every displacement is rounded, over E A [-] (collective).
+        """Error of the residual if every displacement is rounded, over E A [-] (collective).
 
         The 2-norm of eps K_ii u_i, with the diagonal of the last tangent: displacements are rounded by up to eps / 2 of
         themselves, and a row of K sums to zero. Steel's rows are most of it.

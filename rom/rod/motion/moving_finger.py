@@ -206,7 +206,7 @@ class MovingFinger:
         return np.asarray(1 / (2 * np.pi * np.sqrt(squares)))
 
     def _objects_in_range(self, goal: np.ndarray) -> bool:
-        """Whether objects are within their distances, or away."""
+        """True if objects are within their distances, or away."""
         given = zip(goal[self._t :].tolist(), self._ranges, strict=True)
         return all(d == np.inf or nearest <= d <= farthest for d, (nearest, farthest) in given)
 
