@@ -23,7 +23,7 @@ STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the o
 
 @dataclass(frozen=True, kw_only=True)
 class StepOptions:
-    """How far one step goes.
+    """Limits of the steps along a path of loads.
 
     Attributes:
         turn: largest rotation of a slender finger's tip in one step, see `turns` [rad].
@@ -44,7 +44,7 @@ class StepOptions:
 
 def _strategies(halvings: int) -> Sequence[Strategy]:
     """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust strategy."""
-    return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
+    return STRATEGIES[: 1 + (halvings >= 2) + (halvings >= 6)]
 
 
 class Continuation:
@@ -146,7 +146,7 @@ class Continuation:
         return True
 
     def _failure(self, reason: str, *, without_obstacle: bool) -> LoadNotReached:
-        """What is raised at the last good load; without an obstacle where nothing was solved with it."""
+        """Exception to raise at the last good load; without the obstacle if nothing was solved with it."""
         if without_obstacle:
             self.distance = None
             self._set_loads()
@@ -182,7 +182,7 @@ class Continuation:
             self._hold(strategy != "line search")
             step = None
             if strategy != "line search":
-                with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
+                with contextlib.suppress(NotConverged):  # a singular tangent gives no prediction
                     step = self._predict(loads)
             problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
@@ -227,8 +227,8 @@ class Continuation:
     def _predict(self, loads: Loads) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
-        The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
-        both its ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        The nodes in contact move with the plane. After a step in the same direction, a cubic goes through both its ends
+        and their tangents; a first step follows the tangent alone. Plates move rigidly.
         """
         problem = self.problem
         moved = 0.0 if loads.distance is None or self.distance is None else loads.distance - self.distance

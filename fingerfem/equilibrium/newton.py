@@ -20,7 +20,7 @@ ROUND_OFF = 5.0  # times the estimate of a residual's round-off, which is within
 
 @dataclass(frozen=True, kw_only=True)
 class NewtonOptions:
-    """When to stop.
+    """Stopping criteria of Newton's method.
 
     Attributes:
         tolerance: bounds the residual's 2-norm over the force scale E A [-].
@@ -61,7 +61,7 @@ class Newton:
 
     @property
     def factorisations(self) -> int:
-        """How many tangents it has factorised."""
+        """Number of tangents factorised."""
         return self._factorisation.made
 
     def solve(self, strategy: Strategy = "mixed", *, is_predicted: bool = False) -> tuple[int, Linearisation | None]:
@@ -87,8 +87,8 @@ class Newton:
             residual, _ = problem.residual()
             norm = residual.norm() / problem.force_scale
             first = norm if first is None else first
-            # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
-            # moves then shows that there is nothing left to do.
+            # If steel is very stiff against the rubber, round-off keeps the residual up; the small motion by Newton's
+            # method then shows that it has converged.
             rests = moved <= self.options.settled * problem.scene.geometry.length
             settled = rests and norm <= max(self.options.noise, ROUND_OFF * self.round_off())
             done = (norm <= self.options.tolerance or settled) and not kept
@@ -99,7 +99,7 @@ class Newton:
                     continue
                 return iteration, self._linearisation() if iteration else None
             serves = iteration > 0 and strategy != "line search" and norm < self.options.near
-            # What a step with old factors leaves is small in the residual, not yet in the soft finger: one step more.
+            # The rest of a step with old factors is small in the residual, not yet in the soft finger: one step more.
             last_step = kept and (norm <= self.options.tolerance or settled)
             serves, last = last_step or (serves and norm <= self.options.contraction * last), norm
             kept = serves and not last_step

@@ -1,4 +1,4 @@
-"""Loads, and steps between them: what continuation goes along, and how it predicts the end of a step."""
+"""Loads, and steps of continuation between them, with the prediction of their ends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Loads(NamedTuple):
-    """What acts on the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
+    """Loads of the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
 
     tensions: np.ndarray
     distance: float | None
@@ -17,7 +17,7 @@ class Loads(NamedTuple):
     weight: float
 
     def towards(self, target: Loads, share: float) -> Loads:
-        """Those at a share of the straight path to others [-]."""
+        """Loads at a share [-] of the straight path to others."""
         if share == 1:
             return target
         tensions, wrenches = (
