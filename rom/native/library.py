@@ -168,7 +168,8 @@ class Library:
             except OSError as error:
                 raise NoCompiler(f"the C compiler must be there, got {command} ({error.strerror})") from None
             if done.returncode:
-                said = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[-1]
+                lines = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()
+                said = next((line for line in lines if "error:" in line), lines[-1])
                 raise NoCompiler(f"the C compiler must build {self.name}, got: {said} (from {command})")
             made.replace(target)
         return target
