@@ -58,6 +58,13 @@ class Polynomial:
         return replace(self, lower=lower, upper=upper, powers=powers, coefficients=coefficients)
 
     @staticmethod
+    def linear(lower: np.ndarray, upper: np.ndarray, slopes: np.ndarray) -> Polynomial:
+        """Slopes @ point, on a box; shapes (p,), (p,), (m, p)."""
+        powers = np.vstack([np.zeros(len(lower), int), np.eye(len(lower), dtype=int)])
+        coefficients = np.vstack([slopes @ (lower + upper) / 2, (slopes * (upper - lower) / 2).T])
+        return Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)
+
+    @staticmethod
     def together(polynomials: Sequence[Polynomial]) -> Polynomial:
         """Polynomials on one box as one of all their values."""
         powers = max((one.powers for one in polynomials), key=len)

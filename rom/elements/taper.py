@@ -12,6 +12,10 @@ So the proximal section, seen from the distal one, turns about a centre offset f
 by p (l^2/4 - c E I) under tendons, and by p l^2/3 under m. Under f it turns by p l^3 / (3 E I) more. The size of an
 element has the mean of 1 / s^3; the mean of 1 / s^4, for moments, is larger by (p l)^2 / 6.
 
+Where the neutral axis is off the section's centre, an axial force N at the centre bends as a tendon does: k = K N at
+rest. It has no component across the axis, so it does not shear; all tendons and N together shear by -c p E I (k - K N),
+with the axial forces of tendons in N.
+
 `c E I` is that of the interior element: no constant is fitted. Errors by section and taper: docs/accuracy.md.
 """
 
@@ -28,6 +32,7 @@ from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces, stops_of
+from rom.elements.polynomial import Polynomial
 from rom.files.checked_file import ModelError
 
 PLANES = (1, 5, 1), (2, 4, -1)  # of bending: indices of position and force, of rotation and moment; sign
@@ -116,13 +121,14 @@ def shear_by_bending(interior: ElementLaw) -> np.ndarray:
     return np.array([length**2 / 6 + by[k, k] / (2 * by[turn, turn]) for k, turn, _ in PLANES])
 
 
-def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
+def tapered(element: ElementMap, piece: Piece, shear: np.ndarray, guided: np.ndarray) -> ElementMap:
     """Return a prismatic element with the corrections of its frustum.
 
     Args:
-        element: of the piece's size and length.
+        element: of the piece's size and length, by all loads.
         piece: length and end sizes.
         shear: c E I at size 1, shape (2,) [m^2], see `shear_by_bending`.
+        guided: 1 of tendons in channels, 0 of other loads, shape (t,).
     """
     law, length = element.polynomial, piece.length
     ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l
@@ -136,4 +142,11 @@ def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
         found[force, turn] *= 1 + ratio * 2 / 3
     for turn in range(3, 6):
         found[linear[turn], turn] *= 1 + ratio**2 / 6
-    return replace(element, polynomial=replace(law, coefficients=found))
+    # the axial force f_x - sum F, by the polynomial's inputs
+    axial = np.concatenate([-element.tension_map @ guided, np.eye(6)[0]])
+    rest, slopes = np.zeros((1, len(guided) + 6)), np.zeros((law.coefficients.shape[1], len(axial)))
+    at_rest = element.value_and_gradient(rest)[1][0][:, -6]
+    for (k, turn, sign), own in zip(PLANES, shear, strict=True):
+        slopes[k] = sign * ratio / length * own * piece.size**2 * 2 * at_rest[turn] * axial
+    corrected = replace(law, coefficients=found).plus(Polynomial.linear(law.lower, law.upper, slopes))
+    return replace(element, polynomial=corrected)

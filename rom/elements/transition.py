@@ -17,6 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.pieces import Piece
@@ -35,7 +36,7 @@ def with_transitions(element: ElementMap, piece: Piece, laws: Mapping[str, Eleme
         laws: by kind, at the size and modulus of the piece.
 
     Raises:
-        ModelError: there is no interior element.
+        ModelError: there is no interior element as long as the clamp piece.
     """
     distal, proximal = piece.hindered
     if not distal and not proximal:
@@ -43,6 +44,11 @@ def with_transitions(element: ElementMap, piece: Piece, laws: Mapping[str, Eleme
     if INTERIOR not in laws:
         raise ModelError("materials along a part need an interior element, got none: train elements on a longer finger")
     length, law, m = laws[CLAMP].lengths[0], element.polynomial, len(element.tension_map)
+    if length > laws[INTERIOR].lengths[1] * (1 + SHARE):
+        raise ModelError(
+            f"materials along a part need interior elements as long as the clamp piece, {length:.6g} m, got at "
+            f"most {laws[INTERIOR].lengths[1]:.6g} m: train on a mesh with sections at one side from the clamp"
+        )
     parts = [laws[kind].of_length(length).polynomial for kind in (CLAMP, INTERIOR)]
     # on the wrenches that all of them were trained with
     lower, upper = law.lower.copy(), law.upper.copy()

@@ -11,8 +11,10 @@ import numpy as np
 from rom.brief import brief
 from rom.dataset.geometry import steepest
 from rom.dataset.sections.section import extent
-from rom.elements.elements import Elements
+from rom.elements.elements import INTERIOR, Elements
 from rom.elements.fitting.calibration import Floors, floors_of
+from rom.elements.taper import shear_by_bending
+from rom.rod.scene.materials_of_rod import along
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -34,7 +36,10 @@ NOTHING = Added(0.0, 0.0, 0.0, 0.0)
 TAPER = Added(0.05, 7e-3, 0.03, 4e-3)  # over the steepest change of the side per length, to 1:2 (docs/accuracy.md)
 # Over the sum of s (1 - s) of all transitions between materials, with the share s of `rom.elements.transition`: none
 # where a neighbour is as stiff, or rigid. Measured at moduli of 0.5 to 100 and Poisson's ratio 0.3.
-TRANSITION = Added(0.05, 6e-3, 0.01, 2e-3)
+TRANSITION = Added(0.02, 6e-3, 0.01, 2e-3)
+SOLID = (
+    0.29  # shear compliance times bending stiffness of solid sections of rubber, over the extent's square, at most [-]
+)
 AXES = 3  # along each of which the floor of a place acts
 
 
@@ -123,5 +128,9 @@ def _added(rod: Rod) -> Added:
     geometry, length = rod.scene["geometry"], sum(rod.scene["geometry"]["segments"])
     slope = steepest(geometry, extent(rod.scene))
     transitions = sum(share * (1 - share) for own in rod.pieces for piece in own for share in piece.hindered)
+    if slope and along(rod.scene):
+        # a stiff layer yields by shear, by which a taper's corrections of first order are less exact
+        shear = shear_by_bending(rod.own.laws[INTERIOR]).max() / extent(rod.scene) ** 2
+        slope *= max(shear / SOLID, 1.0)
     sums = slope * np.array(TAPER) + transitions * np.array(TRANSITION)
     return Added(*(sums * [1.0, length, 1.0, length]).tolist())

@@ -187,14 +187,12 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     scales = {(one.size, one.modulus) for one in pieces}
     by_scale = {one: elements if one == (1, 1) else elements.scaled(*one) for one in scales}
     scaled = {one: by_scale[one.size, one.modulus] for one in pieces}
-    laws = {
-        one: with_transitions(own.laws[one.kind].of_length(one.length), one, own.laws).only(trained)
-        for one, own in scaled.items()
-    }
     geometry = elements.scene["geometry"]
+    laws = {one: own.laws[one.kind].of_length(one.length) for one, own in scaled.items()}
     if any(one.ends[0] != one.ends[1] for one in pieces):
-        shear = shear_by_bending(elements.laws[INTERIOR])
-        laws = {one: tapered(law, one, shear) for one, law in laws.items()}
+        shear, guided = shear_by_bending(elements.laws[INTERIOR]), _guided(elements.scene, elements.tensions)
+        laws = {one: tapered(law, one, shear, guided) for one, law in laws.items()}
+    laws = {one: with_transitions(law, one, scaled[one].laws).only(trained) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
     section, rubber = elements.section.scaled(end), elements.scene.get("rubber")
     half = np.array([elements.size * end * geometry["plate"] / 2, *section.box])
@@ -237,6 +235,13 @@ def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Ou
         laws[piece] = one.on(tensions, lower, upper)
         own = outlines[piece]
         outlines[piece] = replace(own, polynomial=on_tensions(own.polynomial, lower, upper))
+
+
+def _guided(scene: dict[str, Any], loads: int) -> np.ndarray:
+    """1 of tendons in channels, 0 of other loads, shape (loads,)."""
+    found = np.zeros(loads)
+    found[: len(scene["tendons"])] = [one.get("path", "channel") == "channel" for one in scene["tendons"]]
+    return found
 
 
 def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:

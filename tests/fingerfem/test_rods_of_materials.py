@@ -19,7 +19,7 @@ HANGS = {"density": 1070.0, "direction": [-0.6, 0.8, 0.0]}
 # Largest errors on the trained mesh: of the free tip over its displacement, and of contact forces. Measured: 0.030 and
 # 0.38 %; with weight 0.14 and 0.88 %, as it acts at the ends of five elements. The core's is 1 % of the displacement.
 ERRORS = [({}, 5e-4, 5e-3), ({"gravity": HANGS}, 2e-3, 1e-2)]
-THINNER, OF_TAPER = 0.8, (3e-3, 1e-2)  # taper; the same of a tapered finger
+THINNER, OF_TAPER = 0.8, (1e-2, 2e-2)  # taper, and the same of a tapered finger, whose layer shears the soft rubber
 STIFF = {"law": "neo-hookean", "C1": 5e6, "D1": 4e-8}  # 50 times the rubber
 LAYER = {"name": "layer", "region": "rectangle", "centre": [-0.0045, 0.0], "size": [0.001, 0.010], "material": STIFF}
 CORE = {"name": "core", "region": "rectangle", "centre": [0.0, 0.0], "size": [0.002, 0.002], "material": STIFF}
@@ -63,7 +63,8 @@ def compare(trained: Rod, table: dict[str, Any], tensions: np.ndarray, of_tip: f
         tip = full.solve(pulled, sensitivities=False).tip
         force = full.solve(pulled, distance, sensitivities=False).contact_force
         assert free.inside and pressed.inside and force > 0.05
-        assert np.linalg.norm(free.tip - tip) < of_tip * np.linalg.norm(tip)
+        off = float(np.linalg.norm(free.tip - tip))
+        assert off < of_tip * np.linalg.norm(tip) and off < free.error["tip"]
         assert float(pressed.contact_force) == pytest.approx(force, rel=of_force)
 
 

@@ -34,8 +34,7 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
         modulus: of the finger's rubber over that of the elements [-].
 
     Raises:
-        ModelError: another law than the elements', other ratios of its constants, an overlap, chambers, or elements of
-            several materials.
+        ModelError: another law, other ratios of its constants, an overlap, chambers, or elements of several materials.
     """
     found = list[Interval]()
     for one in scene.get("materials") or []:

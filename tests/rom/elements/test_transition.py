@@ -1,5 +1,7 @@
 """The effect of a stiffer neighbour on an element: its limits, and both ends of the element as mirror images."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -60,5 +62,11 @@ def test_the_parts_of_an_element_have_the_effect_at_its_ends_alone():
 
 def test_elements_without_an_interior_one_have_no_transition():
     laws = {CLAMP: ELEMENTS.laws[CLAMP]}
+    piece = Piece(CLAMP, LENGTH, hindered=(0.5, 0.0))
     with pytest.raises(ModelError, match="materials along a part need an interior element, got none"):
-        with_transitions(laws[CLAMP].of_length(LENGTH), Piece(CLAMP, LENGTH, hindered=(0.5, 0.0)), laws)
+        with_transitions(laws[CLAMP].of_length(LENGTH), piece, laws)
+    shorter = replace(ELEMENTS.laws[INTERIOR], lengths=(0.005, 0.008))
+    with pytest.raises(
+        ModelError, match=r"need interior elements as long as the clamp piece, 0.010\d* m, got at"
+    ):
+        with_transitions(laws[CLAMP].of_length(LENGTH), piece, laws | {INTERIOR: shorter})

@@ -13,7 +13,7 @@ from rom.rod.scene.scene_of_rod import of_tables, rescaled
 from rom.rod.touched_rod import AmongObjects
 from rom.rod.weight import weight_of
 from rom.summaries import rod_summary
-from tests.rom.elements import elastic_rod
+from tests.rom.elements import chambered_rod, elastic_rod
 
 LAW = elastic_rod.scene()["material"]
 PULLED = np.array([20.0, 5.0])
@@ -145,3 +145,10 @@ def test_elements_of_several_materials_have_no_intervals(rod_elements):
     trained = replace(rod_elements, scene=elastic_rod.scene() | {"materials": [core]})
     with pytest.raises(ModelError, match=r"materials.stiff.x must be left out where elements are of several materials"):
         Rod(elements=trained, scene=of_tables(elastic_rod.scene() | {"materials": [core, stiff(0.02, 0.03)]}))
+
+
+def test_intervals_of_a_rod_with_chambers_are_refused(chambered):
+    scene = chambered_rod.scene()
+    part = stiff(0.02, 0.03) | {"material": scene["material"]}
+    with pytest.raises(ModelError, match=r"materials.stiff.x must be left out of a rod with chambers, .* with p1"):
+        chambered.assembled(scene | {"materials": [part]})
