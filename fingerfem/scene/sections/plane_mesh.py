@@ -142,7 +142,7 @@ class PlaneMesh:
         return np.asarray(self._sides[self._on_border])
 
     def of_order_2(self) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes of cells of order 2, shape (nodes, 2) [m], and every quadrilateral's in tensor order, shape (quads, 9)."""
+        """Nodes of cells of order 2, shape (nodes, 2) [m], and the quadrilaterals in tensor order, shape (quads, 9)."""
         count, quads = len(self.points), len(self.quads)
         pairs = np.sort(self._sides.reshape(-1, 2), axis=1)
         _, first, side = np.unique(pairs, axis=0, return_index=True, return_inverse=True)

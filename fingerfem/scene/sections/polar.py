@@ -1,8 +1,8 @@
 """Meshes of circles and rings: circles and radial lines around a square core, which a ring does not have.
 
 A channel is a block of these cells, between two circles and two radial lines: as wide along both as a channel is, and
-placed such that its centroid is its tendon's offset. Of cells of order 2, sides of the border are arcs. Those of order 1
-are straight; then the circles of the border are larger by the factor that makes the section's area exact.
+placed such that its centroid is its tendon's offset. Of cells of order 2, sides of the border are arcs. Order 1 has
+straight sides; then the circles of the border are larger by the factor that makes the section's area exact.
 """
 
 from __future__ import annotations
