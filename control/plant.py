@@ -126,6 +126,8 @@ class MovingPlant:
 
     Attributes:
         state: after the last pull; None before the first.
+        contact_force: the true one, its mean over the last pull's period [N]: at impact on a rigid object, the force
+            at an instant depends on the step of time, and the mean does not.
         age: of the last readings [s].
 
     Args:
@@ -154,7 +156,8 @@ class MovingPlant:
         if not isinstance(steps, int) or steps < 1:
             raise ValueError(f"steps must be an integer of at least 1, got {steps}")
         self.state: MotionState | None = None
-        self.age, self._distance, self._steps, self._flaws = 0.0, distance, steps, flaws or Flaws()
+        self.contact_force, self.age = 0.0, 0.0
+        self._distance, self._steps, self._flaws = distance, steps, flaws or Flaws()
         self._sensor, self._rest = Sensor(self._flaws, seed), model.rod.rest
         rest = np.append(np.zeros(len(model.rod.names)) if tensions is None else np.asarray(tensions, float), distance)
         self._finger, self._tensions = MovingFinger(model, rest, density), rest[:-1]
@@ -169,11 +172,6 @@ class MovingPlant:
         """The tip plate's centre in the clamp's frame after the last pull, shape (3,) [m]; nan before one."""
         return np.full(3, np.nan) if self.state is None else self._rest + self.state.tip
 
-    @property
-    def contact_force(self) -> float:
-        """The true one, after the last pull [N]."""
-        return 0.0 if self.state is None else (1 + self._flaws.force_error) * float(self.state.contact_forces[0])
-
     def pull(self, tensions: ArrayLike) -> float:
         """See Plant.
 
@@ -181,6 +179,7 @@ class MovingPlant:
             ValueError: the finger moves out of the domain of its elements, or no step was found.
         """
         goal, begun, length = np.asarray(tensions, float), self._tensions, self._flaws.period / self._steps
+        forces = []
         for k in range(1, self._steps + 1):
             now = goal if k == self._steps else begun + k / self._steps * (goal - begun)
             self.state = self._finger.step(np.append(now, self._distance), length)
@@ -189,7 +188,8 @@ class MovingPlant:
                     f"tensions must keep the finger where its elements were trained, got {self.state.status} at "
                     f"{goal.tolist()}, {self.state.time:.4g} s"
                 )
-        self._tensions = goal
+            forces.append(float(self.state.contact_forces[0]))
+        self._tensions, self.contact_force = goal, (1 + self._flaws.force_error) * float(np.mean(forces))
         felt, self.age = self._sensor.read(self.contact_force, self.true_tip), self._sensor.age
         return felt
 

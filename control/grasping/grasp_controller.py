@@ -10,6 +10,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
@@ -178,8 +179,8 @@ class Grip:
         """Whether it holds, or has given up."""
         return self.status != "moving"
 
-    def step(self, felt: float, age: float = 0.0) -> np.ndarray:
-        """What to pull next, shape (tensions,) [N], after a reading [N] of an age [s] at the tensions pulled so far."""
+    def step(self, felt: float, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
+        """Return the next tensions, shape (tensions,) [N], after a reading [N] of an age [s]; the tip is not used."""
         self.pulls += 1
         self._past.append(self.tensions)
         ages = age / self._options.period

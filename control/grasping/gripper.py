@@ -202,7 +202,7 @@ class Gripper:
                 )
         distances = np.array([grip.distance for grip in grips])
         holding = np.array([grip.status == "converged" for grip in grips])
-        centre, radius = self._object(np.where(holding, distances, np.nan))
+        centre, radius = self.locate(np.where(holding, distances, np.nan))
         return Grasp(
             status=["iteration_limit" if grip.status == "moving" else grip.status for grip in grips],
             reason=[grip.reason or (late if grip.status == "moving" else "") for grip in grips],
@@ -214,8 +214,15 @@ class Gripper:
             history=history,
         )
 
-    def _object(self, distances: np.ndarray) -> tuple[np.ndarray, float]:
-        """Centre [m] and radius [m] that explain the distances best."""
+    def locate(self, distances: np.ndarray) -> tuple[np.ndarray, float]:
+        """Centre of an object, shape (2,) [m], and its radius [m], that fit distances of its faces best.
+
+        Args:
+            distances: from the fingers, shape (fingers,) [m], nan where a finger has no contact.
+
+        Returns:
+            nan with fewer than three distances.
+        """
         located = np.isfinite(distances)
         if located.sum() < 3:
             return np.full(2, np.nan), float("nan")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 MOST_WORDS = 25  # of a sentence in a page
-# What is not written, and what is instead; parts of identifiers count as words.
+# Avoided words, and their substitutes; parts of identifiers count as words.
 WORDS = {
     "tells?|told|telling": "reports, returns, estimates",
     "knows?|knew": "has, within the trained domain",

@@ -30,7 +30,7 @@ class FingerMesh:
     lines: np.ndarray  # along x, between the cells [m]
     section: PlaneMesh  # at the clamp
     smallest: float  # smallest cell edge across the section [m]
-    has_boxes: bool  # whether all cells are boxes along the axes
+    has_boxes: bool  # true if all cells are boxes along the axes
     walls: list[np.ndarray]  # of every chamber, its exterior facets on this rank
 
     def pulled(self, scene: Scene, k: int) -> tuple[np.ndarray, float]:
@@ -103,7 +103,7 @@ def _swept(section: PlaneMesh, lines: np.ndarray, solid: np.ndarray, comm: MPI.C
 
 
 def _of_tendon(scene: Scene, k: int, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Which cells, with midpoints at x [m], are tendon k's: its channel before its plate, or its hole in it."""
+    """True for cells, with midpoints at x [m], of tendon k: its channel before its plate, or its hole in it."""
     begin, end = scene.outline.plates[scene.tendons[k].segment - 1]
     inside = x < begin if scene.tendons[k].path == "channel" else (x > begin) & (x < end)
     return np.asarray((columns == scene.outline.columns[k].tag) & inside)

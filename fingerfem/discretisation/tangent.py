@@ -103,18 +103,18 @@ class VolumeTangent:
 
 
 def _of_boxes(corners: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """What makes a of A, shape (cells, points, pairs, 3, 3), of boxes with corners, shape (cells, 8, 3) [m]."""
+    """Map of moduli A, shape (cells, points, pairs, 3, 3), to those in reference boxes; corners (cells, 8, 3) [m]."""
     sizes = corners[:, 7] - corners[:, 0]  # [m], shape (cells, 3)
     scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])
     return lambda moduli: moduli * scale[:, None, None]
 
 
 def _pull_back(places: np.ndarray, slopes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The same of other cells.
+    """Map of moduli A to those in reference cells that are no boxes.
 
     Args:
-        places: of the nodes of their geometry, shape (cells, n, 3) [m].
-        slopes: of these nodes' shape functions at the points, shape (3, points, n).
+        places: positions of the nodes of their geometry, shape (cells, n, 3) [m].
+        slopes: derivatives of these nodes' shape functions at the points, shape (3, points, n).
     """
     maps = np.einsum("Mqv,cvi->cqiM", slopes, places)
     inverse = (np.sqrt(np.linalg.det(maps))[..., None, None] * np.linalg.inv(maps))[:, :, None]

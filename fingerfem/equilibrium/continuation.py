@@ -23,7 +23,7 @@ STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the o
 
 @dataclass(frozen=True, kw_only=True)
 class StepOptions:
-    """How far one step goes.
+    """Limits of the steps along a path of loads.
 
     Attributes:
         turn: largest rotation of a slender finger's tip in one step, see `turns` [rad].
@@ -43,7 +43,7 @@ class StepOptions:
 
 
 class Loads(NamedTuple):
-    """What acts on the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
+    """Loads of the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
 
     tensions: np.ndarray
     distance: float | None
@@ -51,7 +51,7 @@ class Loads(NamedTuple):
     weight: float
 
     def towards(self, target: Loads, share: float) -> Loads:
-        """Those at a share of the straight path to others [-]."""
+        """Loads at a share [-] of the straight path to others."""
         if share == 1:
             return target
         tensions, wrenches = (
@@ -95,13 +95,14 @@ class Step:
 
 def _strategies(halvings: int) -> Sequence[Strategy]:
     """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust strategy."""
-    return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
+    return STRATEGIES[: 1 + (halvings >= 2) + (halvings >= 6)]
 
 
 class Continuation:
     """Leads a problem from one equilibrium to the next.
 
-    `iterations`, `steps` and `strategies` count since the last call of `rest` or `start`.
+    `iterations`, those `wasted` in failed attempts, `steps` and `strategies` count since the last call of `rest` or
+    `start`.
     """
 
     def __init__(self, problem: Problem, options: StepOptions | None = None):
@@ -127,7 +128,7 @@ class Continuation:
         self.wrenches = np.zeros_like(self.problem.wrenches) if wrenches is None else np.array(wrenches, float)
         self.problem.displacement[:] = displacement
         self._set_loads()
-        self.iterations, self._wasted, self.steps = 0, 0, 0
+        self.iterations, self.wasted, self.steps = 0, 0, 0
         self.strategies: Counter[str] = Counter()
         self._linearisation: Linearisation | None = None
         self._last: Step | None = None
@@ -156,7 +157,7 @@ class Continuation:
         comes = self._place_obstacle(distance)
         origin = self._loads
         largest, first = self._sizes(target)
-        fraction, size, failed, wasted = 0.0, first, False, self._wasted
+        fraction, size, failed, wasted = 0.0, first, False, self.wasted
         while fraction < 1.0:
             # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
@@ -166,8 +167,8 @@ class Continuation:
             try:
                 needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:
-                if halvings >= self.options.halvings or self._wasted - wasted > self.options.wasted:
-                    tried = f"{failure.reason}; failed steps took {self._wasted - wasted} iterations"
+                if halvings >= self.options.halvings or self.wasted - wasted > self.options.wasted:
+                    tried = f"{failure.reason}; failed steps took {self.wasted - wasted} iterations"
                     raise self._failure(tried, without_obstacle=comes and not fraction) from None
                 size, failed = share / 2, True
                 continue
@@ -190,7 +191,7 @@ class Continuation:
         return True
 
     def _failure(self, reason: str, *, without_obstacle: bool) -> LoadNotReached:
-        """What is raised at the last good load; without an obstacle where nothing was solved with it."""
+        """Exception to raise at the last good load; without the obstacle if nothing was solved with it."""
         if without_obstacle:
             self.distance = None
             self._set_loads()
@@ -226,7 +227,7 @@ class Continuation:
             self._hold(strategy != "line search")
             step = None
             if strategy != "line search":
-                with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
+                with contextlib.suppress(NotConverged):  # a singular tangent gives no prediction
                     step = self._predict(loads)
             problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
@@ -234,7 +235,7 @@ class Continuation:
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:
-                self.iterations, self._wasted = self.iterations + failure.iterations, self._wasted + failure.iterations
+                self.iterations, self.wasted = self.iterations + failure.iterations, self.wasted + failure.iterations
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
                 continue
@@ -268,8 +269,8 @@ class Continuation:
     def _predict(self, loads: Loads) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
-        The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
-        both its ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        The nodes in contact move with the plane. After a step in the same direction, a cubic goes through both its ends
+        and their tangents; a first step follows the tangent alone. Plates move rigidly.
         """
         problem = self.problem
         moved = 0.0 if loads.distance is None or self.distance is None else loads.distance - self.distance

@@ -1,4 +1,4 @@
-"""What is raised instead of a state that has not converged."""
+"""Exceptions for states that have not converged."""
 
 from __future__ import annotations
 

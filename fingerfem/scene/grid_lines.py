@@ -119,6 +119,6 @@ def _along(outline: GridOutline) -> list[list[float]]:
 
 
 def in_plate(outline: GridOutline, k: int, x: np.ndarray) -> np.ndarray:
-    """Which of the points x, shape (3, n) [m], lie in plate k, its faces included."""
+    """True for points x, shape (3, n) [m], in plate k, its faces included."""
     start, end = outline.plates[k]
     return (x[0] > start - outline.tolerance) & (x[0] < end + outline.tolerance)

@@ -1,4 +1,4 @@
-"""What a set is of: the finger at rest, and the parameters to solve, nodes of a training set or held-out points."""
+"""Design of a set: the finger at rest, and the parameters to solve, nodes of a training set or held-out points."""
 
 from __future__ import annotations
 

@@ -66,11 +66,11 @@ class Polynomial:
 
     def plus(self, other: Polynomial) -> Polynomial:
         """The sum with a polynomial on the same box."""
-        powers = max(self.powers, other.powers, key=len)
+        powers = np.unique(np.concatenate([self.powers, other.powers]), axis=0)
         return replace(self, powers=powers, coefficients=self._by(powers) + other._by(powers))
 
     def _by(self, powers: np.ndarray) -> np.ndarray:
-        """Its coefficients by powers among which its own are."""
+        """Coefficients by powers that include the polynomial's own."""
         places = {tuple(row): k for k, row in enumerate(powers.tolist())}
         found = np.zeros((len(powers), self.coefficients.shape[1]))
         found[[places[tuple(row)] for row in self.powers.tolist()]] = self.coefficients

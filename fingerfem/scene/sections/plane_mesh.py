@@ -35,12 +35,12 @@ class PlaneMesh:
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """Of the quadrilaterals, in the order around them, shape (quads, 4, 2) [m]."""
+        """Corners of the quadrilaterals, in the order around them, shape (quads, 4, 2) [m]."""
         return np.asarray(self.points[self.quads[:, AROUND]])
 
     @cached_property
     def bulges(self) -> np.ndarray:
-        """How far the middles of the sides around quadrilaterals are beside their chords, shape (quads, 4, 2) [m]."""
+        """Distances of the middles of quadrilaterals' sides from their chords, shape (quads, 4, 2) [m]."""
         here, after = self.corners, np.roll(self.corners, -1, axis=1)
         middle, radius = (here + after) / 2, np.linalg.norm(here, axis=2)
         if not self.curved:
@@ -57,13 +57,13 @@ class PlaneMesh:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """Of the quadrilaterals, shape (quads,) [m^2]: half the cross product of the diagonals, and the segments."""
+        """Areas of the quadrilaterals, shape (quads,) [m^2]: half the cross product of the diagonals plus segments."""
         a, b, c, d = self.corners.transpose(1, 0, 2)
         return np.asarray(_cross(c - a, d - b) / 2 + self._segments.sum(axis=1))
 
     @cached_property
     def centroids(self) -> np.ndarray:
-        """Of the quadrilaterals, shape (quads, 2) [m]."""
+        """Centroids of the quadrilaterals, shape (quads, 2) [m]."""
         here, after = self.corners, np.roll(self.corners, -1, axis=1)
         middle = here.mean(axis=1, keepdims=True)  # about which small cells far from the axis lose no digits
         here, after = here - middle, after - middle
@@ -74,22 +74,22 @@ class PlaneMesh:
 
     @cached_property
     def area(self) -> float:
-        """Of the whole section [m^2]."""
+        """Area of the whole section [m^2]."""
         return self.copies * float(self.areas.sum())
 
     def column_area(self, tag: int) -> float:
-        """Of the whole channel or hole with a tag [m^2]."""
+        """Area of the whole channel or hole with a tag [m^2]."""
         return self.copies * float(self.areas[self.tags == tag].sum())
 
     def column_centroid(self, tag: int) -> np.ndarray:
-        """Of the meshed part of a channel or hole, shape (2,) [m]; nan without cells."""
+        """Centroid of the meshed part of a channel or hole, shape (2,) [m]; nan without cells."""
         own = self.tags == tag
         weights = self.areas[own, None]
         return np.asarray((weights * self.centroids[own]).sum(axis=0) / (weights.sum() if own.any() else np.nan))
 
     @property
     def centroid(self) -> np.ndarray:
-        """Of what is meshed, shape (2,) [m]."""
+        """Centroid of the meshed part, shape (2,) [m]."""
         return np.asarray((self.areas[:, None] * self.centroids).sum(axis=0) / self.areas.sum())
 
     @cached_property
@@ -119,7 +119,7 @@ class PlaneMesh:
 
     @property
     def has_rectangles(self) -> bool:
-        """Whether all quadrilaterals are rectangles along y and z."""
+        """True if all quadrilaterals are rectangles along y and z."""
         along = np.roll(self.corners, -1, axis=1) - self.corners
         return bool((np.abs(along).min(axis=2) <= 1e-12 * self.edges.max()).all())
 
@@ -142,7 +142,7 @@ class PlaneMesh:
         return np.asarray(self._sides[self._on_border])
 
     def of_order_2(self) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes of cells of order 2, shape (nodes, 2) [m], and the quadrilaterals in tensor order, shape (quads, 9)."""
+        """Nodes of cells of order 2, shape (nodes, 2) [m], and of quadrilaterals in tensor order, shape (quads, 9)."""
         count, quads = len(self.points), len(self.quads)
         pairs = np.sort(self._sides.reshape(-1, 2), axis=1)
         _, first, side = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
@@ -155,14 +155,14 @@ class PlaneMesh:
         return np.concatenate([self.points, middles.reshape(-1, 2)[first], centres]), cells
 
     def contains(self, point: np.ndarray, tag: int) -> bool:
-        """Whether a point, shape (2,) [m], lies in a quadrilateral with a tag."""
+        """True if a point, shape (2,) [m], lies in a quadrilateral with a tag."""
         corners = self.corners[self.tags == tag]
         sides = _cross(np.roll(corners, -1, axis=1) - corners, point - corners)
         return bool((sides >= -1e-9 * self.edges.max() ** 2).all(axis=1).any())
 
     @cached_property
     def is_mirrored(self) -> bool:
-        """Whether z = 0 parts it along its edges into two mirror images."""
+        """True if z = 0 divides the mesh along its edges into two mirror images."""
         tolerance = SHARE * float(np.ptp(self.points, axis=0).max())
         mirror = self.points * [1, -1]
         away, _ = cKDTree(self.points).query(mirror)
@@ -173,7 +173,7 @@ class PlaneMesh:
         return bool(max(away.max(), apart.max()) < tolerance and not crossed.any() and alike)
 
     def half(self) -> PlaneMesh:
-        """Its half z >= 0, with z = 0 exactly where it is cut."""
+        """Half of the mesh, z >= 0, with z = 0 exactly at the cut."""
         quads, tags = self.quads[self.centroids[:, 1] > 0], self.tags[self.centroids[:, 1] > 0]
         used, renumbered = np.unique(quads, return_inverse=True)
         points = self.points[used].copy()

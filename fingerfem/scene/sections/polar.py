@@ -1,8 +1,8 @@
 """Meshes of circles and rings: circles and radial lines around a square core, which a ring does not have.
 
 A channel is a block of these cells, between two circles and two radial lines: as wide along both as a channel is, and
-placed such that its centroid is its tendon's offset. Of cells of order 2, sides of the border are arcs. Order 1 has
-straight sides; then the circles of the border are larger by the factor that makes the section's area exact.
+placed such that its centroid is its tendon's offset. Cells of order 2 have arcs as sides of the border. Those of order
+1 have straight sides; their circles of the border are larger by the factor that makes the section's area exact.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def _start(sectors: list[Sector]) -> float:
     """Angle of the core's first corner [rad]: no corner lies within a channel, or else none near a channel's edge."""
 
     def clearances(start: float) -> np.ndarray:
-        """Of all corners from all channels, negative within one [rad]."""
+        """Angles of all corners from all channels, negative within one [rad]."""
         away = [
             abs(math.remainder(start + k * QUARTER - one.angle, 2 * math.pi)) - one.half
             for one in sectors
@@ -140,7 +140,7 @@ def _merged(values: Iterable[float], fixed: Iterable[float], near: float, start:
 
 
 def _inside(sector: Sector, angles: np.ndarray) -> np.ndarray:
-    """Which cells between an angle and the next one belong to a sector, shape (angles,)."""
+    """True for cells, each between an angle and the next one, that belong to a sector, shape (angles,)."""
     middles = angles + np.diff(np.append(angles, angles[0] + 2 * math.pi)) / 2
     return np.asarray(np.abs(np.remainder(middles - sector.angle + math.pi, 2 * math.pi) - math.pi) < sector.half)
 

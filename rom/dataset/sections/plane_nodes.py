@@ -3,13 +3,13 @@
 A section's mesh is of quadrilaterals, on which shape functions N of order 1 or 2 are polynomials of the reference
 coordinates (s, t) in [0, 1]^2. The nodes say where the sides are: those of order 2 may be curved.
 
-The corners of a section are those of its bounding box. Where they are no nodes, they are extrapolated: with y'
+The corners of a section are those of its bounding box. If they are no nodes, they are extrapolated: with y'
 and z', coordinates over the halves of the box, the corners c_k are such that
 
     x(y, z) = sum over k of N_k(y', z') c_k,    N_k = (1 + y_k y') (1 + z_k z') / 4,
 
-fits the outline's nodes best, each weighted by its share of the outline's length. What a bent circle deviates from that
-is v = -nu kappa (y^2 - z^2) / 2, 0.6 mm at a radius of 10 mm and a curvature of 16 1/m, whose size follows from the
+fits the outline's nodes best, each weighted by its share of the outline's length. A bent circle deviates from that by
+v = -nu kappa (y^2 - z^2) / 2, 0.6 mm at a radius of 10 mm and a curvature of 16 1/m, whose size follows from the
 bilinear w = -nu kappa y z (rom/native/contact/slices.c adds it); 0.09 mm are left (95 % of sections, worst node).
 """
 
@@ -126,7 +126,7 @@ def _outline(quads: np.ndarray, node: np.ndarray, nodes: np.ndarray, is_half: bo
 
 
 def _corners(scaled: np.ndarray, outline: np.ndarray, shares: np.ndarray, images: np.ndarray) -> np.ndarray:
-    """What corners are of nodes on the outline, from their y' and z', shape (nodes, 2), and of the nodes' images."""
+    """Weights that give corners from the outline's nodes and their images, at y' and z', shape (nodes, 2)."""
     found = np.zeros((2, len(CORNERS), len(scaled)))
     away, nearest = map(np.array, zip(*(cKDTree(scaled * image).query(CORNERS) for image in images), strict=True))
     if away.min(axis=0).max() < SHARE:

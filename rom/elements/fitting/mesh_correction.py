@@ -1,4 +1,4 @@
-"""What the mesh of the training adds to every element: its law is corrected by a few states on a finer mesh.
+"""Correction of every element's law for the error of its training mesh, by a few states on a finer mesh.
 
 A mesh is too stiff by some share that hardly depends on the loads. So the difference of two meshes is a share of every
 value of the law, less what it is at rest, and a polynomial of low degree. Few states determine both: each gives samples
@@ -97,6 +97,6 @@ def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_
 
 
 def _without(law: ElementLaw, samples: Samples) -> Samples:
-    """What a law does not say of samples."""
+    """Samples less a law's values: the residual."""
     values, gradient = law.of_length(samples.length).value_and_gradient(samples.inputs)
     return replace(samples, values=samples.values - values, jacobians=samples.jacobians - gradient)

@@ -1,4 +1,4 @@
-"""How deep forces press into rubber by themselves, beside what bends and stretches the finger.
+"""Indentation of rubber by contact forces, in addition to bending and stretch of the finger.
 
 The rubber is cut into slices of thickness p along the finger. Its half side is h, Young's modulus E. Springs along the
 finger press where an object reaches them (native/shapes/indentation.c). Their compliance, of a whole slice, is

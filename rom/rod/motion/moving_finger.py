@@ -177,19 +177,33 @@ class MovingFinger:
         self._point = goal
         return self._report(found._replace(inside=inside) if found else None)
 
-    def frequencies(self, tensions: ArrayLike, count: int = 3) -> np.ndarray:
-        """Return natural frequencies about the relaxed equilibrium at tensions, without objects, shape (count,) [Hz].
+    def frequencies(self, parameters: ArrayLike, count: int = 3) -> np.ndarray:
+        """Return natural frequencies about the relaxed equilibrium, shape (count,) [Hz].
+
+        Contacts that press stay closed, without friction; all others stay open.
+
+        Args:
+            parameters: tensions [N] and d [m] as of `step`, shape (t + m,), or tensions alone, without objects.
+            count: at most six for every plate and every section between elements.
 
         Raises:
-            ModelError: the wrong number of tensions, or no stable equilibrium.
+            ModelError: the wrong number of parameters or frequencies, or no stable equilibrium in the elements' domain.
         """
-        point = self._checked([*np.ravel(tensions), *[np.inf] * len(self._ranges)])
-        mass, compliance = self._stepper.linearised(point[: self._t])
-        try:  # C M f = f / w^2
-            squares = eigh(mass, (compliance + compliance.T) / 2, type=3, eigvals_only=True)
-        except np.linalg.LinAlgError:
-            raise ModelError(f"tensions must have a stable equilibrium, got {np.ravel(tensions).tolist()}") from None
-        return np.asarray(1 / (2 * np.pi * np.sqrt(squares[::-1][:count])))
+        given = np.ravel(parameters)
+        away = np.full(len(self._ranges), np.inf)
+        point = self._checked(np.append(given, away) if given.shape == (self._t,) else given)
+        most = 6 * len(self.lumps.masses)
+        if not 0 < count <= most:
+            raise ModelError(f"count must be from 1 to {most}, got {count}")
+        begun = touches(self.model.touching, point[None])
+        found = self._stepper.linearised(point, begun.loads[0]) if begun.inside[0] else None
+        if found is None:
+            raise ModelError(f"parameters must have a stable equilibrium in the domain, got {given.tolist()}")
+        mass, compliance = found  # D M f = f / w^2; D is singular along closed contacts
+        squares = eigh((compliance + compliance.T) / 2, mass, type=2, eigvals_only=True)[::-1][:count]
+        if squares[-1] <= 0:
+            raise ModelError(f"count must be at most {(squares > 0).sum()} with these contacts, got {count}")
+        return np.asarray(1 / (2 * np.pi * np.sqrt(squares)))
 
     def _objects_in_range(self, goal: np.ndarray) -> bool:
         """Whether objects are within their distances, or away."""

@@ -41,7 +41,7 @@ def rectangle(centre: float, height: float, **changes: Any) -> dict[str, Any]:
 
 
 def stretch(stiffness: float) -> float:
-    """Of a compressed bar of stiffness E A [N]: E A (l - l^3) / 2 = F."""
+    """Stretch of a compressed bar of stiffness E A [N]: E A (l - l^3) / 2 = F."""
     return brentq(lambda s: stiffness * (s - s**3) / 2 - PULL, 3**-0.5, 1.0)
 
 

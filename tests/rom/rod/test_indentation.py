@@ -1,4 +1,4 @@
-"""How deep rubber is pressed in (rom/native/shapes/indentation.c): Hertz's contact, and no dependence on the slices."""
+"""Indentation of rubber (rom/native/shapes/indentation.c): Hertz's contact, and no dependence on the slices."""
 
 import numpy as np
 import pytest
