@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.model import Model
-from rom.rod.motion.moving_finger import MotionState, MovingFinger
+from rom.rod.motion.motion_state import MotionState
+from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
 
