@@ -68,6 +68,12 @@ class Grasp:
         }
 
 
+def evenly_around(fingers: int) -> np.ndarray:
+    """Return the directions from the axis to fingers evenly around it, shape (fingers, 2) [-]."""
+    angles = 2 * np.pi * np.arange(fingers) / fingers
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
 class Gripper:
     """Fingers evenly around an axis, each bending towards it.
 
@@ -89,8 +95,7 @@ class Gripper:
             raise ValueError("model must have an obstacle to grasp, got a scene without one")
         self.model, self.radius = model, radius
         self.fingers = [Finger(model, limits)] * fingers  # one model, one place in memory
-        angles = 2 * np.pi * np.arange(fingers) / fingers
-        self.directions = np.column_stack([np.cos(angles), np.sin(angles)])
+        self.directions = evenly_around(fingers)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled and copied by its parameters."""

@@ -90,7 +90,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
     row |= {"number": one.number, "fingers": len(gripper.fingers), "room": wanted.most / wanted.least}
     row |= {"bound": max(FINGERS) * solid.capacity * solid.admissible_force / (solid.mass * GRAVITY)}
-    row |= {"tipping": solid.tipping_force}
+    row |= {"margin": 1 + MARGIN, "tipping": solid.tipping_force}
     if not wanted.exist:
         return row | {"fate": "refused", "reason": wanted.reason}
     if wanted.contact_forces.min() < least_felt(one):
