@@ -43,7 +43,7 @@ def numbers(name: str, value: Any, shape: tuple[int | None, ...], unit: str) -> 
         found = np.array(value, float) if not isinstance(value, str) else None
     except (TypeError, ValueError):
         found = None
-    wanted = "(" + ", ".join("n" if one is None else f"{one}" for one in shape) + ("," if len(shape) == 1 else "") + ")"
+    wanted = str(shape).replace("None", "n")
     if found is None or not np.isfinite(found).all():
         raise ValueError(f"{name} must be finite numbers [{unit}] of shape {wanted}, got {_short(value)}")
     if found.ndim != len(shape) or any(w not in (None, s) for w, s in zip(shape, found.shape, strict=True)):

@@ -1,4 +1,4 @@
-"""What a controller drives: a finger whose tendons are pulled and whose force is felt; and what may go wrong."""
+"""Plants of controllers: fingers whose tendons are pulled and whose contact force is read, and their faults."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.model import Model
-from rom.rod.motion.moving_finger import MotionState, MovingFinger
+from rom.rod.motion.motion_state import MotionState
+from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
 
@@ -28,7 +29,7 @@ def age_of(plant: Plant) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Flaws:
-    """How a simulated finger differs from its model.
+    """Deviations of a simulated finger from its model.
 
     Attributes:
         noise: standard deviation of the force sensor [N].
@@ -55,7 +56,7 @@ class Flaws:
 
 
 class Sensor:
-    """A force sensor with flaws; where the tip is given, also a sensor of it.
+    """A force sensor with flaws; if it reads tips, also a sensor of the tip.
 
     Attributes:
         age: of the last reading [s].
@@ -202,7 +203,7 @@ class Slipping:
 
     @property
     def age(self) -> float:
-        """Of the last reading [s]."""
+        """Age of the last reading [s]."""
         return age_of(self._plant)
 
     def pull(self, tensions: ArrayLike) -> float:
@@ -215,14 +216,14 @@ class Slipping:
 
 
 class Dead:
-    """A finger whose sensor says nothing (NaN) during some pulls."""
+    """A finger whose sensor reads NaN during some pulls."""
 
     def __init__(self, plant: Plant, begin: int, end: float = np.inf):
         self._plant, self._begin, self._end, self._pulls = plant, begin, end, 0
 
     @property
     def age(self) -> float:
-        """Of the last reading [s]."""
+        """Age of the last reading [s]."""
         return age_of(self._plant)
 
     def pull(self, tensions: ArrayLike) -> float:

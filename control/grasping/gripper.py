@@ -26,7 +26,7 @@ STEEP = 1000  # points at which it looks how steeply contact force grows with te
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Grasp:
-    """How a grasp ended.
+    """Result of a grasp.
 
     Attributes:
         status: of every finger: converged, or why not (see control.grasping.grasp_controller; iteration_limit after
@@ -51,7 +51,7 @@ class Grasp:
 
     @property
     def converged(self) -> bool:
-        """Whether every finger holds."""
+        """True if every finger holds."""
         return all(status == "converged" for status in self.status)
 
     def as_json(self) -> dict[str, Any]:
@@ -66,6 +66,12 @@ class Grasp:
             "radius": self.radius,
             "pulls": len(self.history),
         }
+
+
+def evenly_around(fingers: int) -> np.ndarray:
+    """Return the directions from the axis to fingers evenly around it, shape (fingers, 2) [-]."""
+    angles = 2 * np.pi * np.arange(fingers) / fingers
+    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 class Gripper:
@@ -89,8 +95,7 @@ class Gripper:
             raise ValueError("model must have an obstacle to grasp, got a scene without one")
         self.model, self.radius = model, radius
         self.fingers = [Finger(model, limits)] * fingers  # one model, one place in memory
-        angles = 2 * np.pi * np.arange(fingers) / fingers
-        self.directions = np.column_stack([np.cos(angles), np.sin(angles)])
+        self.directions = evenly_around(fingers)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled and copied by its parameters."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from control.grasping.grasp_forces import Targets
-from control.grasping.gripper import Gripper
+from control.grasping.gripper import Gripper, evenly_around
 from control.model import Model
 from control.motion import Limits
 from control.mujoco.solids import Solid
@@ -18,7 +18,6 @@ HEIGHTS = (-0.004, -0.002, 0.0, 0.002, 0.004)
 CURVED = ("sphere", "mesh")
 LOWEST = 0.009  # height at which tilted plates are clear of the table, whatever the pose error [m]
 PLANNED = 2  # best candidates by `Solid.room` of which contact forces are computed
-Candidate = tuple[float, Gripper, Solid, float]  # estimated room, gripper, solid, rotation
 
 
 @brief
@@ -56,14 +55,17 @@ def best_layout(model: Model, solid: Solid, limits: Limits | None = None, margin
     """
     added = HEIGHTS if solid.shape in CURVED else (0.0,)
     heights = {max(solid.grasped + one, min(LOWEST, solid.grasped)) for one in added}
-    grippers, candidates = [Gripper(model, fingers, limits=limits) for fingers in FINGERS], list[Candidate]()
-    for gripper in grippers:
+    candidates = list[tuple[float, int, Solid, float]]()  # estimated room, fingers, solid, rotation
+    for fingers in FINGERS:
+        directions = evenly_around(fingers)
         for height in sorted(heights):
             one = replace(solid, grasped=height)
-            turn = one.best_turn(gripper.directions)
-            candidates.append((one.turned(turn).room(gripper.directions), gripper, one, turn))
+            turn = one.best_turn(directions)
+            candidates.append((one.turned(turn).room(directions), fingers, one, turn))
     candidates.sort(key=lambda one: -one[0])
-    planned = [_planned(gripper, one, turn, margin) for _, gripper, one, turn in candidates[:PLANNED]]
+    best = candidates[:PLANNED]
+    grippers = {fingers: Gripper(model, fingers, limits=limits) for _, fingers, _, _ in best}
+    planned = [_planned(grippers[fingers], one, turn, margin) for _, fingers, one, turn in best]
     return max(planned, key=lambda one: one.room)
 
 

@@ -51,7 +51,7 @@ class Body(NamedTuple):
 
     @property
     def is_plate(self) -> bool:
-        """Whether it contains a plate."""
+        """True if it contains a plate."""
         return any(block.is_plate for block in self.blocks)
 
     def inertia(self, rod: Rod, density: float) -> tuple[float, np.ndarray, np.ndarray]:

@@ -57,7 +57,7 @@ class PidController:
 
     @property
     def done(self) -> bool:
-        """Whether the path has ended."""
+        """True if the path has ended."""
         return self.row + 1 >= len(self.path)
 
     @property

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from control.outcomes import listed
 from control.tracking.inverse import Bounds
 from control.tracking.linearised import SUBSTEP, Linearised
 from control.tracking.options import TrackingOptions
@@ -39,7 +40,10 @@ class Simulated(NamedTuple):
 
 
 def refined(plan: Plan, model: TouchedSegment, system: Linearised, options: TrackingOptions, bounds: Bounds) -> Plan:
-    """Return the plan with the least mean square of simulated errors, and its simulated tips and contact forces."""
+    """Return the plan with the least mean square of simulated errors, and its simulated tips and contact forces.
+
+    A plan whose first simulation leaves the trained domain gets a reason to refuse it.
+    """
     least, best, tensions = np.inf, plan, plan.tensions
     for _ in range(1 + REFINEMENTS):
         found = simulated(model, tensions, options)
@@ -51,6 +55,10 @@ def refined(plan: Plan, model: TouchedSegment, system: Linearised, options: Trac
         corrections = inputs(system, errors, EFFORT)
         corrections[0] = 0.0  # where it begins at rest
         tensions = np.clip(tensions + np.einsum("ntk,nk->nt", plan.gains, corrections), *bounds)
+    if least == np.inf:
+        row = int(np.argmax(np.isnan(found.tips[:, 0])))
+        what = f"path row {row} must lie in the trained domain in motion"
+        return plan._replace(reason=f"{what}, got tensions {listed(plan.tensions[row])} N: slow the path")
     return best
 
 

@@ -2,7 +2,7 @@
 
 Feedback predicts the tip over the delay of its readings, as Smith's predictor does. Its states are two modes in both
 directions, a slowly changing disturbance, and errors of stiffness and inertia. The estimate uses the commanded tensions
-after clamping to the limits, which prevents windup. Where the plan presses, the tip is fed back along the surface, and
+after clamping to the limits, which prevents windup. While the plan presses, the tip is fed back along the surface, and
 the contact force across it: the model's stiffness of contact turns an error of the force into a displacement.
 """
 
@@ -125,7 +125,7 @@ class TrackingController:
 
     @property
     def done(self) -> bool:
-        """Whether the path has ended or is refused."""
+        """True if the path has ended or is refused."""
         return self._ended or self.status == "unreachable"
 
     @property

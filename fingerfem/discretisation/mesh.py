@@ -88,7 +88,7 @@ def _swept(section: PlaneMesh, lines: np.ndarray, solid: np.ndarray, comm: MPI.C
     slabs = len(lines) - 1
     own = np.array_split(solid, comm.size)[comm.rank]
     quad, slab = np.divmod(own, slabs)
-    # Of straight sides, cells have their corners; of curved ones, the nodes of order 2.
+    # Cells with straight sides have their corners; those with curved ones, the nodes of order 2.
     order = 2 if section.curved else 1
     across, quads = section.of_order_2() if section.curved else (section.points, section.quads)
     planes = np.interp(np.arange(order * slabs + 1) / order, np.arange(len(lines)), lines)

@@ -6,16 +6,16 @@ import contextlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.discretisation.problem import Problem
-from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.equilibrium.failures import BeyondLaw, LoadNotReached, NotConverged
 from fingerfem.equilibrium.linearisation import Linearisation
 from fingerfem.equilibrium.newton import Newton, Strategy
 from fingerfem.equilibrium.rigid_plates import RigidPlates
+from fingerfem.equilibrium.steps import Loads, Step
 from fingerfem.equilibrium.turns import turns
 
 STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the order they are tried
@@ -40,57 +40,6 @@ class StepOptions:
     touch: float = 1e-7
     halvings: int = 10
     wasted: int = 300
-
-
-class Loads(NamedTuple):
-    """Loads of the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
-
-    tensions: np.ndarray
-    distance: float | None
-    wrenches: np.ndarray
-    weight: float
-
-    def towards(self, target: Loads, share: float) -> Loads:
-        """Loads at a share [-] of the straight path to others."""
-        if share == 1:
-            return target
-        tensions, wrenches = (
-            one + share * (other - one)
-            for one, other in ((self.tensions, target.tensions), (self.wrenches, target.wrenches))
-        )
-        distance, weight = target.distance, self.weight + share * (target.weight - self.weight)
-        if distance is not None and self.distance is not None:
-            distance = self.distance + share * (distance - self.distance)
-        return Loads(tensions, distance, wrenches, weight)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Step:
-    """A step that began at an equilibrium.
-
-    Attributes:
-        load: change of the tensions [N] and pressures [Pa], of the wrenches [N, N m], of the weight's share [-] and of
-            d [m], shape (actuators + 6 plates + 2,).
-        start: owned displacements where it began [m].
-        slope: change of displacement that the tangent expects of the step [m].
-    """
-
-    load: np.ndarray
-    start: np.ndarray
-    slope: np.ndarray
-
-    def change_after(self, last: Step) -> np.ndarray:
-        """Change of displacement by the cubic through both ends of the last step, shape (owned values,) [m].
-
-        By the tangent if the direction of the load changes, or if the step more than doubles.
-        """
-        ratio = float(np.max(np.abs(self.load)) / np.max(np.abs(last.load)))
-        if ratio > 2 or not np.allclose(self.load, ratio * last.load, rtol=1e-6, atol=0):
-            return self.slope
-        rise, before, after = self.start - last.start, last.slope, self.slope / ratio
-        t = 1 + ratio
-        value = t**2 * (3 - 2 * t) * rise + t * (1 - t) ** 2 * before + t**2 * (t - 1) * after
-        return value - rise
 
 
 def _strategies(halvings: int) -> Sequence[Strategy]:
@@ -158,15 +107,21 @@ class Continuation:
         origin = self._loads
         largest, first = self._sizes(target)
         fraction, size, failed, wasted = 0.0, first, False, self.wasted
+        beyond, reason = np.inf, ""  # share of the path at which a law has no answer, and what it has none to
         while fraction < 1.0:
             # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
             share = remaining / max(1.0, np.ceil(remaining / size - 0.05)) if fraction else size
+            share = min(share, (beyond - fraction) / 2)
             ahead = 1.0 if fraction + share > 1 - 1e-12 else fraction + share
             halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
+                if halvings > self.options.halvings:
+                    raise NotConverged(reason)
                 needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:
+                if isinstance(failure, BeyondLaw):
+                    beyond, reason = ahead, failure.reason
                 if halvings >= self.options.halvings or self.wasted - wasted > self.options.wasted:
                     tried = f"{failure.reason}; failed steps took {self.wasted - wasted} iterations"
                     raise self._failure(tried, without_obstacle=comes and not fraction) from None
@@ -218,7 +173,7 @@ class Continuation:
         """
         problem, newton = self.problem, self.newton
         before = problem.displacement.copy()
-        reason = ""
+        reason, kind = "", NotConverged
         for strategy in strategies:
             if strategy == "line search" and loads.wrenches.any():
                 continue  # follower loads have no potential to search
@@ -238,6 +193,9 @@ class Continuation:
                 self.iterations, self.wasted = self.iterations + failure.iterations, self.wasted + failure.iterations
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
+                if isinstance(failure, BeyondLaw):  # another strategy would find the same equilibrium
+                    kind = BeyondLaw
+                    break
                 continue
             self._hold(False)
             self.tensions, self.distance, self._last = loads.tensions.copy(), loads.distance, step
@@ -250,7 +208,7 @@ class Continuation:
         problem.displacement[:] = before
         self._set_loads()
         self._last = None  # a cubic cannot foresee what made this step fail
-        raise NotConverged(reason)
+        raise kind(reason)
 
     def _hold(self, held: bool) -> None:
         if self.problem.contact is not None:

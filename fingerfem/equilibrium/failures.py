@@ -13,6 +13,10 @@ class NotConverged(Exception):
         self.reason, self.iterations = reason, iterations
 
 
+class BeyondLaw(NotConverged):
+    """An equilibrium was found, but at stretches where the law of its material has no answer."""
+
+
 class LoadNotReached(Exception):
     """Continuation stopped short of a load.
 

@@ -10,12 +10,12 @@ from petsc4py import PETSc
 
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.factorisation import Factorisation
-from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.equilibrium.failures import BeyondLaw, NotConverged
 from fingerfem.equilibrium.linearisation import Linearisation
 from fingerfem.equilibrium.stability import AntisymmetricMotion
 
 Strategy = Literal["mixed", "plain", "line search"]
-ROUND_OFF = 5.0  # a residual's own round-off over its estimate is up to 1.1 where steel is 1e6 times stiffer [-]
+ROUND_OFF = 5.0  # times the estimate of a residual's round-off, which is within a factor of two [-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ class Newton:
             is_predicted: the stress was extrapolated to where it starts, from an equilibrium; `mixed` begins with that.
 
         Raises:
-            NotConverged: on every rank, with the problem's displacement restored.
+            NotConverged: on every rank, with the problem's displacement restored; `BeyondLaw` at an equilibrium.
         """
         problem = self.problem
         most = self.options.searches if strategy == "line search" else self.options.iterations
@@ -116,8 +116,9 @@ class Newton:
                 reason = self._search(slope)
             residual.destroy()
             if reason is not None:
+                is_beyond = exceeded is not None and problem.limits.smallest_of_cells() > 0
                 problem.fields.u.x.array[:] = start
-                raise NotConverged(reason, iteration)
+                raise (BeyondLaw if is_beyond else NotConverged)(reason, iteration)
             if strategy == "mixed":
                 problem.extrapolate_stress(-self._update.array_r)
             self.add(-self._update.array_r)
@@ -125,13 +126,14 @@ class Newton:
                 problem.extrapolate_stress()
 
     def round_off(self) -> float:
-        """What the residual is off by if every displacement is rounded, over E A [-] (collective).
+        """Error of the residual by rounding, over E A [-] (collective).
 
-        The 2-norm of eps K_ii u_i, with the diagonal of the last tangent: displacements are rounded by up to eps / 2 of
-        themselves, and a row of K sums to zero. Steel's rows are most of it.
+        The 2-norm of eps K_ii (|u_i| + h), with the diagonal of the last tangent and the shortest edge h. A
+        displacement is rounded in proportion to itself, and F = 1 + grad u in proportion to 1. Steel's rows are most.
         """
         self.problem.matrix.getDiagonal(self._rounded)
-        self._rounded.array[:] *= self.problem.displacement[: self._rounded.local_size]
+        moved = np.abs(self.problem.displacement[: self._rounded.local_size])
+        self._rounded.array[:] *= moved + self.problem.mesh.smallest
         return float(np.finfo(float).eps * self._rounded.norm() / self.problem.force_scale)
 
     def _search(self, slope: float) -> str | None:

@@ -25,13 +25,13 @@ def plates_of(geometry: Mapping[str, Any]) -> np.ndarray:
 
 
 def rubber_of(geometry: Mapping[str, Any]) -> np.ndarray:
-    """Where every segment's rubber begins and ends along the finger, shape (segments, 2) [m]."""
+    """Start and end of every segment's rubber along the finger, shape (segments, 2) [m]."""
     plates = plates_of(geometry)
     return np.column_stack([np.append(0.0, plates[:-1, 1]), plates[:, 0]])
 
 
 def is_all_along(geometry: Mapping[str, Any], x: Sequence[float] | None) -> bool:
-    """Whether a part of the axis, from and to [m], contains all rubber; None does."""
+    """True if a part of the axis, from and to [m], contains all rubber; None does."""
     return x is None or (x[0] <= 0 and x[1] >= plates_of(geometry)[-1, 0] * (1 - SHARE))
 
 

@@ -12,7 +12,7 @@ So the proximal section, seen from the distal one, turns about a centre offset f
 by p (l^2/4 - c E I) under tendons, and by p l^2/3 under m. Under f it turns by p l^3 / (3 E I) more. The size of an
 element has the mean of 1 / s^3; the mean of 1 / s^4, for moments, is larger by (p l)^2 / 6.
 
-Where the neutral axis is off the section's centre, an axial force N at the centre bends as a tendon does: k = K N at
+If the neutral axis is off the section's centre, an axial force N at the centre bends as a tendon does: k = K N at
 rest. It has no component across the axis, so it does not shear; all tendons and N together shear by -c p E I (k - K N),
 with the axial forces of tendons in N.
 

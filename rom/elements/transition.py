@@ -1,4 +1,4 @@
-"""Where the material changes along the axis, the softer element deforms less: the stiffer one hinders its section.
+"""Effect of a change of material along the axis: the softer element deforms less, as the stiffer hinders its section.
 
 At a clamp, an element differs from an interior one of its length by D, a function of loads and wrench. Between moduli E
 and r E, r > 1, with equal Poisson's ratios, lateral strains differ by 1 - 1/r of what the clamp hinders, and both sides
@@ -6,7 +6,7 @@ yield, as 1 to 1/r. The least complementary energy of self-equilibrated stresses
 element the share (1 - 1/r)^2 / (1 + 1/r) of D.
 
 D acts near the interface. Seen from the distal section of an element of length l, the proximal section moves as at a
-clamp where the interface is there. Where the interface is the distal section, D turns all of the element by its turn T,
+clamp where the interface is there. If the interface is the distal section, D turns all of the element by its turn T,
 about a point as far from that section: the sum of both displacements across the axis is T times -l e_x.
 """
 

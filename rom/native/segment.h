@@ -260,6 +260,12 @@ int32_t fingerfem_guides_memory(const fingerfem_chain *chain);
 int fingerfem_guides_advance(const fingerfem_touching *touching, const double *point, const int32_t *wound, double *memory, double *loads,
                              double *motors, double *work, int32_t *inside);
 
+/* Elements of a chain with guides, at its tensions, those of the motors, (tensions) [N], and loads, and under the acceleration by weight,
+ * (3) [m/s^2], or the chain's own if that is NULL: how much shorter every tendon is in each, (elements, tensions) [m], by how much more by the
+ * tension there at fixed wrench, likewise [m/N], and their bends, (elements) [rad]. Returns 0 if shortenings are not known. */
+int fingerfem_guides_elements(const fingerfem_chain *chain, const double *gravity, const double *motors, const double *loads, double *memory,
+                              double *shortenings, double *yielding, double *bends);
+
 /* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
  * the force along it on the finger [N]. */
 typedef struct {

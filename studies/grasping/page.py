@@ -7,8 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.grasping.task import MARGIN
-
 FATES = ("held", "let go", "dropped", "crushed", "refused")
 REASONS = {  # parts of the reasons for which a solid was not lifted, for people
     "finds": "a finger found its face more than 8 mm from where it should be",
@@ -38,7 +36,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "fingers": Counter(row["fingers"] for row in rows if row["fate"] != "refused"),
         "accepted": len(rows) - len(fates["refused"]),
         "impossible": len(impossible),
-        "close": sum(1 <= row["bound"] < (1 + MARGIN) ** 2 for row in fates["refused"]),
+        "close": sum(1 <= row["bound"] < row["margin"] ** 2 for row in fates["refused"]),
         "slipping": sum("on all faces" in row["reason"] for row in fates["refused"]),
         "falling": sum("tips it over" in row["reason"] for row in fates["refused"]),
         "unsteady": Counter(row["fate"] for row in rows if row["tipping"] == 0),

@@ -28,7 +28,7 @@ BALANCE = 1e-6  # largest reaction of the clamp, but for weight and pressure the
 
 
 def row(number: int) -> dict[str, Any]:
-    """What became of a finger."""
+    """Outcome of a finger."""
     table, loads = drawn.finger(number)
     found = {"number": number, "shape": table["section"]["shape"], "law": table["material"]["law"]}
     found |= {"nu": table["material"]["nu"], "outcome": "ERROR", "reason": None}
@@ -65,14 +65,14 @@ def _fitting(table: drawn.Table) -> Scene:
 
 
 def _is_balanced(model: FingerModel, state: State) -> bool:
-    """Whether the clamp carries weight alone, all numbers are finite, and no cell is turned over."""
+    """True if the clamp carries weight alone, all numbers are finite, and no cell is turned over."""
     weight = model.problem.comm.allreduce(_weight(model))
     unbalanced = float(np.abs(state.clamp_reaction + weight).max()) / model.problem.force_scale
     return unbalanced < BALANCE and state.smallest_volume_ratio > 0 and bool(np.isfinite(state.displacement).all())
 
 
 def _weight(model: FingerModel) -> np.ndarray:
-    """Of the whole finger, from its residual at rest without other loads, shape (3,) [N]."""
+    """Weight of the whole finger, from its residual at rest without other loads, shape (3,) [N]."""
     model.continuation.start(np.zeros(len(model.scene.actuators)), None, np.zeros_like(model.problem.displacement))
     residual, reaction = model.problem.residual()
     forces = model.problem.copies * residual.array_r.reshape(-1, 3).sum(axis=0)

@@ -43,18 +43,18 @@ def floors_of(left_out: Mapping[str, Mapping[str, float]]) -> Floors:
 
 
 def error_factors(trainings: Sequence[tuple[Training, dict[str, float]]], floors: Floors) -> dict[str, float]:
-    """The factors by quantity [-].
+    """The factors by quantity [-]; at least 1 where a finer mesh corrects, whose own error is in no left-out state.
 
     Args:
         trainings: on every mesh, with the degrees of all kinds.
         floors: of estimated errors.
     """
     parts = [compared(*each, floors) for each in trainings]
-    found = {}
+    least, found = 1.0 if len(trainings) > 1 else 0.0, {}
     for name in QUANTITIES:
         errors, deviations = (np.concatenate([part[k][name] for part in parts]) for k in (0, 1))
         found[name] = covering(errors, deviations)
-    return {name: factor for name, factor in found.items() if factor > 0}
+    return {name: max(factor, least) for name, factor in found.items() if factor > 0}
 
 
 def compared(

@@ -62,7 +62,7 @@ class Differences(NormalEquations):
         self._squares += sum(self._squares @ np.abs(one.values).T for one in mirrors)
 
     def shares(self, left_out: Collection[int] = ()) -> np.ndarray:
-        """Of the law's values that the differences are, by least squares, without some folds, shape (m,) [-]."""
+        """Differences over the law's values, by least squares, without some folds, shape (m,) [-]."""
         kept = np.setdiff1d(np.arange(self.folds), list(left_out))
         products, squares = self._squares[kept].sum(axis=0)
         return np.divide(products, squares, out=np.zeros_like(products), where=squares > 0)

@@ -63,6 +63,7 @@ class Stepper:
         self._point, self._base = np.zeros(chain.tensions + touching.count), np.zeros(BASE)
         self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(2, np.int32)
         ends = bodies * MOVING, bodies * (MOVING + 6)
+        self.loads = slice(*ends)  # of a state, the loads on all bodies
         moving, loads, relaxing_of = map(pointer, np.split(self._state, ends))
         results = pointer(self._forces), pointer(self._energy), pointer(self._inside, "int32_t[]"), LIBRARY.ffi.NULL
         self._results = (self._memory, moving, relaxing_of, loads, *results)

@@ -123,6 +123,6 @@ def rescaled_chamber(one: Mapping[str, Any], modulus: float, size: float) -> dic
 
 
 def _ends(scene: Mapping[str, Any], chamber: Mapping[str, Any]) -> np.ndarray:
-    """How far a chamber's ends are from its segment's clamp and plate, shape (2,) [m]."""
+    """Distances of a chamber's ends from its segment's clamp and plate, shape (2,) [m]."""
     begin, end = rubber_of(scene["geometry"])[segment_with(scene, chamber)]
     return np.array([chamber["x"][0] - begin, end - chamber["x"][1]])

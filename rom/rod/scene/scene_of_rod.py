@@ -1,4 +1,4 @@
-"""Whether elements make the finger of a scene: by which size and modulus they are scaled, and which tendons are whose.
+"""Fit of elements to the finger of a scene: the size and modulus that scale them, and the tendons of each.
 
 By similarity, a finger `size` times as large of rubber `modulus` times as stiff does the same under forces
 modulus * size^2 times as large, at equal ratios of all lengths and of all moduli: exactly.

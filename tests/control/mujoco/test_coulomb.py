@@ -90,3 +90,6 @@ def test_relaxation_needs_few_solves_of_a_step(monkeypatch):
         solves.clear()
         model, data = begun(friction, (0.1, 0.0))
         assert solve(model, data, np.arange(data.ncon)) and len(solves) <= 3
+    solves.clear()
+    model, data = begun(0.8, pull=0.5 * 0.8 * MASS * GRAVITY)  # sticks
+    assert solve(model, data, np.arange(data.ncon)) and len(solves) == 1

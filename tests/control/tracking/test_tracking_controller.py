@@ -12,7 +12,7 @@ from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOpti
 from control.tracking import PidController, circle, eight, inverse
 from control.tracking.linearised import linearised
 from control.tracking.plan import planned
-from control.tracking.refinement import simulated
+from control.tracking.refinement import refined, simulated
 
 DENSITY, PERIOD, RATE, RADIUS = 1100.0, 5e-3, 4.0, 0.004  # [kg/m^3], [s], [Hz], [m]
 OPTIONS = TrackingOptions(period=PERIOD, density=DENSITY)
@@ -111,6 +111,13 @@ def test_refinement_reduces_the_simulated_error(finger, made):
     sizes = [np.square(simulated(finger, plan.tensions, OPTIONS).tips - PATH).mean() for plan in plans]
     assert np.sqrt(sizes[1]) < 0.2 * np.sqrt(sizes[0])
     assert made.plan.goals == pytest.approx(simulated(finger, made.plan.tensions, OPTIONS).tips)
+
+
+def test_a_plan_that_leaves_the_domain_in_motion_is_refused_with_the_row(finger, made):
+    system = linearised(finger, made.plan.tensions.mean(axis=0), DENSITY, PERIOD)
+    beyond = np.where(np.arange(len(PATH))[:, None] < 30, made.plan.tensions, 150.0)
+    plan = refined(made.plan._replace(tensions=beyond), finger, system, OPTIONS, (np.zeros(2), np.full(2, 200.0)))
+    assert re.search("path row 30 must lie in the trained domain in motion", plan.reason)
 
 
 def test_a_long_path_at_a_short_period_is_solved_at_rows_that_its_bends_need(finger, monkeypatch):

@@ -66,7 +66,5 @@ def test_elements_without_an_interior_one_have_no_transition():
     with pytest.raises(ModelError, match="materials along a part need an interior element, got none"):
         with_transitions(laws[CLAMP].of_length(LENGTH), piece, laws)
     shorter = replace(ELEMENTS.laws[INTERIOR], lengths=(0.005, 0.008))
-    with pytest.raises(
-        ModelError, match=r"need interior elements as long as the clamp piece, 0.010\d* m, got at"
-    ):
+    with pytest.raises(ModelError, match=r"need interior elements as long as the clamp piece, 0.010\d* m, got at"):
         with_transitions(laws[CLAMP].of_length(LENGTH), piece, laws | {INTERIOR: shorter})

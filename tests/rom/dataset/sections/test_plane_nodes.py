@@ -54,7 +54,7 @@ def test_means_are_those_of_the_polygons_between_the_nodes(order, hollow):
 
 
 def test_sides_of_order_two_are_curved_where_their_nodes_are():
-    """Of a square, three are parabolas."""
+    """Three sides of a square are parabolas."""
     s, t = np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0])
     square = np.column_stack([s.ravel(), t.ravel()])
     nodes = square.copy()
