@@ -103,6 +103,7 @@ typedef struct {
     const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
     const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
     const double *element_lengths;       /* (elements): at rest [m] */
+    const double *element_moduli;        /* (elements): of its material over that of the segment's rubber [-] */
     double half_lengths[3];              /* of the plate along its own axes, and so of its section's box [m] */
     int32_t vertices;                    /* of the outline of the plate's section, a convex polygon with a margin; 0: the outline is the box */
     const double *polygon;               /* (vertices, 2): along y and z, counterclockwise [m] */
@@ -160,7 +161,8 @@ typedef struct {
 typedef struct {
     int32_t plates, tensions;
     const fingerfem_segment *const *segments;
-    const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
+    const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's */
+    const double *lower, *upper; /* (tensions): the box that all segments have in common [N, Pa] */
     double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
     double gravity[3];   /* acceleration by weight, seen from the clamp [m/s^2]; zeros: nothing weighs */
     const double *masses;  /* of every segment: its plate's, then those of its elements, from the plate to the clamp [kg]; NULL: nothing weighs */

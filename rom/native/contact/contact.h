@@ -15,6 +15,7 @@ typedef struct {
     double dome;                  /* curvature along it besides its own, over its thickness [-] */
     double share;                 /* of the middle, from the element's end, 0, to its begin, 1 */
     double length;                /* of the element at rest [m] */
+    double modulus;               /* of its material over that of the segment's rubber [-] */
     double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
     double bulging;               /* Poisson's ratio over the length of the element [1/m] */
     double stiffness[2];          /* E I for bending towards y and z [N m^2] */

@@ -44,7 +44,7 @@ static int equilibrium(const fingerfem_touching *touching, const double *distanc
     return !touching->count || fingerfem_touch(touching, point, memory, loads, out, jacobian, NULL, &inside) > 0;
 }
 
-/* What the elements are in that equilibrium. */
+/* State of the elements in that equilibrium. */
 static void elements_under(const fingerfem_chain *chain, const double *loads, double *memory, guides_state *state)
 {
     double held_tensions[TENSIONS_MOST];

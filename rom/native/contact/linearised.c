@@ -35,7 +35,7 @@ int fingerfem_linearise(const fingerfem_touching *touching, const fingerfem_iner
     contact_state state;
     contact_problem problem = {touching, &map, {0.0}, NULL, 1.0}, moving = {touching, &map, {0.0}, &step, 1.0};
     const double d = contact_lead(&problem, point + chain->tensions);
-    tensions_all_clamped(chain->segments[0], point, held);
+    chain_clamped(chain, point, held);
     chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     memset(state.forces, 0, sizeof state.forces);
@@ -67,7 +67,7 @@ int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, cons
     double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
     chain_rods map;
     chain_state state;
-    tensions_all_clamped(chain->segments[0], tensions, held);
+    chain_clamped(chain, tensions, held);
     chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     if (!chain_all_bodies(&map) || !chain_take_loads(&map, loads, wrench) || !chain_under(&map, wrench, &state)) return 0;

@@ -119,7 +119,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     memcpy(seen, point, (size_t)t * sizeof *seen);
     if (branches) relaxation_begin(&chain, branches, length, relaxing, &relaxation);
     if (branches) relaxation_tensions(&relaxation, point, seen);
-    *inside = tensions_all_clamped(chain.segments[0], seen, held);
+    *inside = chain_clamped(&chain, seen, held);
     chain_set_tensions(&chain, held, memory, &map);
     if (branches) relaxation_set(&relaxation, &map);
     chain_contract(&map);

@@ -60,6 +60,9 @@ typedef struct {
     chain_body bodies[MOST_BODIES];
 } chain_state;
 
+/* Tensions within the box that all segments have in common, (tensions); returns whether they all were. */
+int chain_clamped(const fingerfem_chain *chain, const double *tensions, double *held);
+
 /* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size; plates alone bear wrenches. For what
  * carries wrenches they must be contracted too; `chain_free` does so itself if the chain weighs. */
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);

@@ -18,7 +18,7 @@ MOST_BRANCHES = LIBRARY.constants.FINGERFEM_MOST_BRANCHES
 
 @brief
 class Stepped(NamedTuple):
-    """Where a step of time ends.
+    """End of a time step.
 
     Attributes:
         state: see `Stepper`.
@@ -70,7 +70,7 @@ class Stepper:
         self._given, self._turned = pointer(self._point), pointer(self._base)
 
     def moving(self, state: np.ndarray) -> np.ndarray:
-        """How the bodies move in a state, shape (bodies, 30)."""
+        """Motions of the bodies in a state, shape (bodies, 30), see FINGERFEM_MOVING in segment.h."""
         return state[: self._bodies * MOVING].reshape(-1, MOVING)
 
     def at_rest(self, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:

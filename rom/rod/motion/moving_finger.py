@@ -210,7 +210,7 @@ class MovingFinger:
         return np.tile(self._point[: self._t], (sum(map(len, self.model.rod.pieces)), 1))
 
     def _objects_in_range(self, goal: np.ndarray) -> bool:
-        """Whether objects are within their distances, or away."""
+        """True if objects are within their distances, or away."""
         given = zip(goal[self._t :].tolist(), self._ranges, strict=True)
         return all(d == np.inf or nearest <= d <= farthest for d, (nearest, farthest) in given)
 

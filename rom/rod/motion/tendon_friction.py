@@ -100,7 +100,7 @@ class TendonFriction:
 
     @property
     def _passed(self) -> np.ndarray:
-        """Whether a tendon passes an element, shape (n, t)."""
+        """True if a tendon passes an element, shape (n, t)."""
         found = np.zeros(self._guided.arrays.tensions.shape, bool)
         for j, path in enumerate(self._paths):
             found[path, j] = True
@@ -162,7 +162,7 @@ class TendonFriction:
         return found
 
     def _forces(self, tensions: np.ndarray, motors: np.ndarray) -> np.ndarray:
-        """What every guide takes, tau, shape (n, t) [N]."""
+        """Forces of the guides, tau, shape (n, t) [N]."""
         found = np.zeros_like(tensions)
         for j, path in enumerate(self._paths):
             found[path, j] = np.diff(tensions[path, j], append=motors[j])
@@ -201,7 +201,7 @@ class TendonFriction:
         return found, by.reshape(n * t, n * t), inside
 
     def _compliances(self) -> np.ndarray:
-        """How far a tendon slips in a step through each guide by a unit of the guide's force, shape (n, t) [m/N]."""
+        """Slips of a tendon in a step through each guide by a unit of the guide's force, shape (n, t) [m/N]."""
         shape = self._stiffness.shape
         found, response = np.zeros(shape), self._response.reshape(*shape, *shape)
         for j, path in enumerate(self._paths):  # tensions fall from the tip to the guide
