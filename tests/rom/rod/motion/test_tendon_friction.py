@@ -61,7 +61,7 @@ def test_slow_motion_has_the_tensions_of_increments_at_rest(finger, d, at_rest):
         assert state.status == "converged"
         assert np.abs(one.element_tensions - wanted.element_tensions).max() < 0.005 * max(goal)
         assert np.linalg.norm(state.tip - wanted.tip) < 1e-3 * np.linalg.norm(wanted.tip)
-        assert state.contact_forces == pytest.approx(wanted.contact_forces, abs=0.01)
+        assert state.contact_forces == pytest.approx(wanted.contact_forces, abs=0.05)
     assert state.dissipated == pytest.approx(wanted.dissipated - dissipated, rel=0.02)
 
 
