@@ -4,7 +4,7 @@ Fingers evenly around an object press on it inwards; friction carries its weight
 friction forces of at most mu N_i in the faces they press on, forces and moments on the object must balance: a linear
 programme, with the friction cone replaced by a polygon inside it (so that what is found holds in the cone).
 
-Faces that lean change directions of contact forces. Where the pose is uncertain, an object has several cases of faces:
+Faces that lean change directions of contact forces. If the pose is uncertain, an object has several cases of faces:
 the contact forces, and all between them and the bounds, balance the weight in every case.
 """
 
@@ -25,7 +25,7 @@ SIDES = 32  # of the polygon inside the friction circle
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Object:
-    """What is to be held, by its middle.
+    """Object to be held by its middle.
 
     Attributes:
         mass: [kg].
@@ -77,7 +77,7 @@ class Targets:
 
     @property
     def exist(self) -> bool:
-        """Whether there are any."""
+        """True if there are such forces."""
         return not self.reason
 
 
@@ -126,7 +126,7 @@ def straight_faces(directions: np.ndarray) -> np.ndarray:
 
 
 def carries(directions: np.ndarray, held: Object, contact_forces: np.ndarray) -> bool:
-    """Whether friction at these contact forces, shape (fingers,) [N], carries the object in all cases of its faces."""
+    """True if friction at these contact forces, shape (fingers,) [N], carries the object in all cases of its faces."""
     cases = [straight_faces(directions)] if held.faces is None else list(held.faces)
     return all(np.isfinite(_added(directions, one, held, contact_forces, 0.0)[0]) for one in cases)
 

@@ -26,7 +26,7 @@ STEEP = 1000  # points at which it looks how steeply contact force grows with te
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Grasp:
-    """How a grasp ended.
+    """Result of a grasp.
 
     Attributes:
         status: of every finger: converged, or why not (see control.grasping.grasp_controller; iteration_limit after
@@ -51,7 +51,7 @@ class Grasp:
 
     @property
     def converged(self) -> bool:
-        """Whether every finger holds."""
+        """True if every finger holds."""
         return all(status == "converged" for status in self.status)
 
     def as_json(self) -> dict[str, Any]:

@@ -21,7 +21,7 @@ def solve(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> b
     """Solve accelerations and constraint forces with corrected contacts, given by index, in place of mj_fwdConstraint.
 
     Returns:
-        Whether the iteration converged; if not, sliding bodies still lift off a little.
+        True if the iteration converged; else sliding bodies still lift off a little.
     """
     mujoco.mj_fwdConstraint(model, data)
     all_ = data.contact

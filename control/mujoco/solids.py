@@ -129,7 +129,7 @@ def _faces(
     ahead, behind = rate > 1e-9, rate < -1e-9
 
     def out(aside: np.ndarray, above: float) -> np.ndarray:
-        """How far the solid reaches at points beside the finger, shape (errors, n); -inf where it is not."""
+        """Reach of the solid at points beside the finger, shape (errors, n) [m]; -inf where it is not."""
         points = np.concatenate([aside[..., None] * across, np.full((*aside.shape, 1), above)], axis=-1)
         room = ends - (points - errors[:, None]) @ normals.T
         most = (room[..., ahead] / rate[ahead]).min(axis=-1)
@@ -229,7 +229,7 @@ def _circle(radius: float, height: float) -> np.ndarray:
 
 
 def _centre(corners: np.ndarray) -> np.ndarray:
-    """Of the volume of a convex body [m]."""
+    """Centre of the volume of a convex body [m]."""
     hull = ConvexHull(corners)
     inner = corners.mean(axis=0)
     tetrahedra = corners[hull.simplices] - inner

@@ -37,7 +37,7 @@ class Closing:
 
     @property
     def ended(self) -> bool:
-        """Whether all hold what is wanted, or are not to go on."""
+        """True if all fingers hold their forces, or are not to go on."""
         return bool(self.doubt) or (self.share >= 1.0 and all(grip.done for grip in self.grips))
 
     def targets(self) -> np.ndarray:

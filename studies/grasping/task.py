@@ -28,7 +28,7 @@ CRUSHING = 0.02  # [s]: blows of rigid bodies that are shorter crush nothing
 CLOSING = 6.0  # [s], at most
 LIFT, TURN = 0.1, np.pi / 2  # [m], [rad]
 FELT = 0.15  # of the held force: a change by so much is the table's, when it is put down [-]
-# Of a phase: its name, axis of the mount, where to [m, rad], how long it takes [s]. A weight bends fingers straighter,
+# Phases: name, axis of the mount, its goal [m, rad], and duration [s]. A weight bends fingers straighter,
 # which takes contact force away: so slowly that the controllers follow.
 PHASES = (
     ("take its weight", 2, 0.003, 1.0),
@@ -196,11 +196,11 @@ def put_down(grips: list[Grip], driven: list[MujocoPlant], watch: Watch) -> None
 
 
 def below(simulation: Simulation) -> float:
-    """How far the solid's origin is below the palm's [m]."""
+    """Distance of the solid's origin below the palm's [m]."""
     data = simulation.data
     return float(data.body("object").xpos[2] - data.body("palm").xpos[2])
 
 
 def tilt(simulation: Simulation) -> float:
-    """How far the solid's axis is from upright [rad]."""
+    """Angle between the solid's axis and the vertical [rad]."""
     return float(np.arccos(np.clip(simulation.data.body("object").xmat[8], -1, 1)))
