@@ -61,7 +61,7 @@ class Simulation:
 
     Args:
         model: compiled after all fingers were attached. It gets elliptic cones and an impratio of at least 1000,
-            without islands and automatic reset.
+            without islands, automatic reset and multiccd.
         fingers: returned by `attach`, all with the same number of tensions.
         rate: largest rate of a tension [N/s]; with chambers one for each load [N/s, Pa/s].
         coulomb: whether fingers slide by Coulomb's law; else by MuJoCo's own relaxation, which takes less time.
@@ -88,6 +88,8 @@ class Simulation:
         model.opt.cone, model.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(model.opt.impratio, STICKING)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # failures must stay visible
+        # Several points of one contact may have wrong depths: a cylinder then stays 1 mm inside a plate (MuJoCo 4.0).
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MULTICCD
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
