@@ -42,7 +42,7 @@ class MotionState:
         time: at the end of the step [s].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         velocity: of the tip plate's centre, shape (3,) [m/s].
-        contact_forces: on every object against its direction, shape (m,) [N].
+        contact_forces: mean over the last step on every object against its direction, shape (m,) [N].
         kinetic_energy: of the finger [J].
     """
 
@@ -63,8 +63,8 @@ class MovingFinger:
         parameters: tensions [N] and d [m] of the initial equilibrium without contact, shape (t + m,).
         density: of the rubber [kg/m^3]; by default that of [gravity].
         plate_density: likewise of the plates.
-        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. During contact it is
-            0, because lasting contact would otherwise create energy. Contact of rubber may still create a little.
+        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. Rubber in contact is
+            such a spring, too. A plate does not rebound by itself.
         parts: number of parts of every interior element; more parts increase the accuracy of higher frequencies.
 
     Raises:
