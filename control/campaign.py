@@ -26,7 +26,7 @@ AT_ONCE = 10_000  # holds between two moments at which it can be interrupted
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Campaign:
-    """What came of many solves.
+    """Results of many solves.
 
     Attributes:
         distances: of the plane, shape (n,) [m].

@@ -44,7 +44,7 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         steps: of an episode.
         flaws: of the simulated finger.
         density: of its rubber [kg/m^3]: a finger of elements moves as its mass lets it, in steps of the flaws' period.
-            Without one it is at rest after every change. Where it moves out of its elements' domain the episode ends.
+            Without one it is at rest after every change. If it moves out of its elements' domain the episode ends.
 
     Raises:
         ValueError: a model without an obstacle, a table with a density, or targets that are not in order above 0.
@@ -87,16 +87,16 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         """
         super().reset(seed=seed)
         lower, upper = self._model.limits
-        given = options or {}
+        chosen = options or {}
         for _ in range(DRAWS):
-            distance = float(given.get("distance", self.np_random.uniform(lower[-1], upper[-1])))
-            self._target = float(given.get("target", self.np_random.uniform(*self._targets)))
+            distance = float(chosen.get("distance", self.np_random.uniform(lower[-1], upper[-1])))
+            self._target = float(chosen.get("target", self.np_random.uniform(*self._targets)))
             if self._finger.hold(self._target, distance).converged:
                 break
-            if {"distance", "target"} <= given.keys():
+            if {"distance", "target"} <= chosen.keys():
                 raise ValueError(f"target must be within reach at d = {distance:g} m, got {self._target:g} N")
         else:
-            raise ValueError(f"target and distance must leave something within reach, got {given or self._targets}")
+            raise ValueError(f"target and distance must leave something within reach, got {chosen or self._targets}")
         self._plant = self._plant_at(distance, int(self.np_random.integers(2**31)))
         self._tensions, self._taken = self._finger.lower.copy(), 0
         self._felt = self._plant.pull(self._tensions)

@@ -76,7 +76,7 @@ class Finger:
             tolerance: largest distance of the tip from the point [m].
 
         Raises:
-            ValueError: start has the wrong shape, or a distance is given although the model has no obstacle.
+            ValueError: start has the wrong shape, or the distance is finite although the model has no obstacle.
         """
         begin = (self.lower + self.upper) / 2 if start is None else self._start(start)
         goal = np.asarray(point, float)
@@ -107,7 +107,7 @@ class Finger:
             start: tensions before the first point [N], of the scene's own tendons; the lowest allowed ones by default.
 
         Raises:
-            ValueError: start has the wrong shape or is not finite, period is not above 0, or a distance is given
+            ValueError: start has the wrong shape or is not finite, period is not above 0, or the distance is finite
                 although the model has no obstacle.
         """
         if not period > 0:
@@ -131,7 +131,7 @@ class Finger:
 
     @property
     def _units(self) -> str:
-        """Of the tensions, for a sentence."""
+        """Units of the tensions, for a sentence."""
         return "N, Pa" if self.pressures else "N"
 
     def _refused(self, point: np.ndarray, distance: float) -> str:
@@ -223,7 +223,7 @@ class Finger:
 
         Raises:
             ValueError: the model has no obstacle, or no pad pressure although it is needed; both targets or neither are
-                given; or start has the wrong shape.
+                present; or start has the wrong shape.
         """
         self._needs_obstacle()
         if (contact_force is None) == (pad_pressure is None):

@@ -2,7 +2,7 @@
 
 Damping by the gain ratio (Nielsen, IMM-REP-1999-05, DTU 1999); bounds by projection, with the variables that the
 gradient pushes against their bound left out of the step. A step is a linear least-squares problem, solved by
-Householder reflections (normal equations would square the condition). Where many points solve the problem, as two
+Householder reflections (normal equations would square the condition). If many points solve the problem, as two
 tensions hold one force, null-space motion goes on along them to the one nearest to the start (projected gradient of the
 distance, the residual corrected at every step).
 
@@ -62,7 +62,7 @@ RULES = Rules()
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """Where it stopped and why: "converged", "stationary" (a minimum above the tolerance) or "iteration_limit"."""
+    """Last point and reason to stop: "converged", "stationary" (a minimum above the tolerance) or "iteration_limit"."""
 
     x: np.ndarray
     residual: float

@@ -40,7 +40,7 @@ OTHERS = {
     "contact force": FORCES,
     "d": LENGTHS,
 }
-TOGETHER = QUATERNION, VECTOR  # columns that must all be given or all be left out
+TOGETHER = QUATERNION, VECTOR  # columns that must all be present or all be absent
 BY_ROW = ("lines", "time", *TENDON, "position", "orientation", "contact_force", "distance")  # fields of a value a row
 UNIT = 0.05  # how far the norm of a measured quaternion may be from 1 [-]
 
@@ -48,7 +48,7 @@ UNIT = 0.05  # how far the norm of a measured quaternion may be from 1 [-]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Log:
-    """What was measured at n moments or poses, in SI units; nan where a cell is empty or a column is absent.
+    """Measurements at n moments or poses, in SI units; nan where a cell is empty or a column is absent.
 
     Attributes:
         path: the file.
@@ -83,7 +83,7 @@ class Log:
     distance: np.ndarray = field(repr=False)
 
     def has(self, quantity: str) -> bool:
-        """Whether the file has a column of a quantity, such as "tension", "x", "qw" or "contact force"."""
+        """True if the file has a column of a quantity, such as "tension", "x", "qw" or "contact force"."""
         return any(name == quantity or name.split()[0] == quantity for name in self.headings)
 
     def only(self, rows: np.ndarray) -> Log:
@@ -176,8 +176,8 @@ def _columns(
             raise Refused(f"{where}: must have one column of {quantity}, got {found[quantity][1].text}, {column.text}")
         found[quantity] = k, column, scale
     for names in (*TOGETHER, *([f"{quantity} {name}" for name in tendons] for quantity in TENDON)):
-        given = [name for name in names if name in found]
-        if given and len(given) < len(names):
+        present = [name for name in names if name in found]
+        if present and len(present) < len(names):
             lacking = next(name for name in names if name not in found)
             raise Refused(f"{where}: must have all of {', '.join(names)} or none, got no {lacking}")
     if "qw" in found and "rx" in found:
@@ -186,7 +186,7 @@ def _columns(
 
 
 def _quantity(where: str, column: Heading, tendons: Sequence[str]) -> tuple[str, float]:
-    """What a column is of, and the factor of its unit."""
+    """The quantity of a column, and the factor of its unit."""
     if column.name in tendons:
         for quantity, units in TENDON.items():
             if column.unit in units:

@@ -6,31 +6,57 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from control.grasping.grasp_controller import Grip
 from control.plant import Plant, age_of
 from rom.brief import brief
 
 logger = logging.getLogger(__name__)
 
 
+class Controller(Protocol):
+    """Controller of one finger, which `run` steps: a `Grip`, a `TrackingController`.
+
+    Attributes:
+        tensions: current command, shape (tensions,) [N].
+        events: period and name of every event.
+    """
+
+    tensions: np.ndarray
+    events: list[tuple[int, str]]
+
+    @property
+    def period(self) -> float:
+        """Time between steps [s]."""
+
+    @property
+    def status(self) -> str:
+        """One word."""
+
+    def step(self, felt: float, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
+        """Return the next tensions [N] after readings of force [N] and tip, shape (3,) [m], of an age [s]."""
+        ...
+
+
 @brief
 @dataclass(frozen=True, kw_only=True)
 class LoopReport:
-    """How a loop ran.
+    """Record of a loop.
 
     Attributes:
         rate: [Hz].
-        periods: how many.
+        periods: their number.
         p50_us, p99_us, p999_us, max_us: time of the controllers in a period [us].
         missed: periods whose controllers took longer than the period; in real time, that ended late.
         unread: readings that a plant failed to give, by an error of its own.
-        events: what happened: period, finger, event (see control.grasping.grasp_controller).
+        events: period, finger and name of every event, see the controllers.
         tensions: pulled, shape (periods, fingers, tensions) [N].
         felt: readings, shape (periods, fingers) [N].
+        tips: true tips of simulated plants across the finger, y and z, shape (periods, fingers, 2) [m]; nan of others.
+        contact_forces: likewise their true contact forces, shape (periods, fingers) [N].
         status: of every finger at the end.
     """
 
@@ -45,7 +71,13 @@ class LoopReport:
     events: list[tuple[int, int, str]]
     tensions: np.ndarray = field(repr=False)
     felt: np.ndarray = field(repr=False)
+    tips: np.ndarray = field(repr=False)
+    contact_forces: np.ndarray = field(repr=False)
     status: list[str]
+
+    def errors(self, path: np.ndarray, finger: int = 0) -> np.ndarray:
+        """Distances of a finger's true tip from rows of a path, y and z, after the first row, shape (periods,) [m]."""
+        return np.asarray(np.linalg.norm(self.tips[:, finger] - path[1 : 1 + self.periods], axis=1))
 
     @property
     def share(self) -> float:
@@ -59,54 +91,59 @@ class LoopReport:
 
 
 def run(
-    grips: Sequence[Grip],
+    controllers: Sequence[Controller],
     plants: Sequence[Plant],
     periods: int,
     targets: Callable[[int], Sequence[float] | None] | None = None,
     real_time: bool = False,
 ) -> LoopReport:
-    """Drive plants by their controllers, whatever happens: a plant that raises has given no reading.
+    """Drive plants by their controllers; a plant that raises an error has no reading in that period.
 
     Args:
-        grips: controllers of the fingers, all of one period.
-        plants: what each drives.
-        periods: how many.
-        targets: the fingers' contact forces [N] from a period on, or None while they stay.
+        controllers: of the fingers, all of one period.
+        plants: one for each controller. One with a `tip` also provides readings of the tip, shape (3,) [m].
+        periods: their number; a path has `controller.periods`.
+        targets: contact forces of grips [N] from a period on; None while they do not change.
         real_time: whether to wait for the beginning of every period.
 
     Raises:
-        ValueError: no fingers, plants that are not one for each, or less than one period.
+        ValueError: no controllers, another number of plants, or less than one period.
     """
-    if not grips or len(plants) != len(grips):
-        raise ValueError(f"plants must be one for each of {len(grips)} fingers, got {len(plants)}")
-    if not periods >= 1:
-        raise ValueError(f"periods must be at least 1, got {periods}")
-    period = grips[0].period
-    spent = np.zeros(periods)
-    pulled, felt = np.zeros((periods, len(grips), len(grips[0].tensions))), np.zeros((periods, len(grips)))
-    reported, missed, unread = [0] * len(grips), 0, 0
+    if not controllers or len(plants) != len(controllers):
+        raise ValueError(f"plants must be one for each of {len(controllers)} fingers, got {len(plants)}")
+    if not isinstance(periods, int | np.integer) or not periods >= 1:
+        raise ValueError(f"periods must be an integer of at least 1, got {periods!r}")
+    period, count = controllers[0].period, len(controllers)
+    spent, ages = np.zeros(periods), np.zeros(count)
+    pulled, felt = np.zeros((periods, count, len(controllers[0].tensions))), np.full((periods, count), np.nan)
+    tips, forces = np.full((periods, count, 2), np.nan), np.full((periods, count), np.nan)
+    reported, missed, unread = [0] * count, 0, 0
     events: list[tuple[int, int, str]] = []
     begun = time.perf_counter()
     for k in range(periods):
-        ages = np.zeros(len(grips))
-        for i, (grip, plant) in enumerate(zip(grips, plants, strict=True)):
-            pulled[k, i] = grip.tensions
+        readings: list[ArrayLike | None] = [None] * count
+        for i, (controller, plant) in enumerate(zip(controllers, plants, strict=True)):
+            pulled[k, i] = controller.tensions
             try:
-                felt[k, i], ages[i] = plant.pull(grip.tensions.tolist()), age_of(plant)
+                felt[k, i], ages[i] = plant.pull(controller.tensions.tolist()), age_of(plant)
+                readings[i] = getattr(plant, "tip", None)
+                tips[k, i] = getattr(plant, "true_tip", np.full(3, np.nan))[1:]
+                forces[k, i] = getattr(plant, "contact_force", np.nan)
             except Exception as error:
-                logger.warning("period %d, finger %d: no reading, %s", k, i, error)
-                felt[k, i], unread = np.nan, unread + 1
+                level = logging.DEBUG if k and np.isnan(felt[k - 1, i]) else logging.WARNING  # once until the next one
+                logger.log(level, "period %d, finger %d: no reading, %s", k, i, error)
+                felt[k, i], ages[i], unread = np.nan, 0.0, unread + 1
         started = time.perf_counter()
         wanted = targets(k) if targets else None
-        for i, grip in enumerate(grips):
+        for i, controller in enumerate(controllers):
             if wanted is not None:
-                grip.target = wanted[i]
-            grip.step(float(felt[k, i]), float(ages[i]))
+                controller.target = wanted[i]  # type: ignore[attr-defined]
+            controller.step(float(felt[k, i]), float(ages[i]), readings[i])
         ended = time.perf_counter()
         spent[k] = ended - started
-        for i, grip in enumerate(grips):
-            events += [(k, i, event) for _, event in grip.events[reported[i] :]]
-            reported[i] = len(grip.events)
+        for i, controller in enumerate(controllers):
+            events += [(k, i, event) for _, event in controller.events[reported[i] :]]
+            reported[i] = len(controller.events)
         missed += bool(spent[k] > period or (real_time and ended > begun + (k + 1) * period))
         if real_time:
             time.sleep(max(begun + (k + 1) * period - time.perf_counter(), 0.0))
@@ -123,5 +160,7 @@ def run(
         events=events,
         tensions=pulled,
         felt=felt,
-        status=[grip.status for grip in grips],
+        tips=tips,
+        contact_forces=forces,
+        status=[controller.status for controller in controllers],
     )

@@ -1,4 +1,4 @@
-"""What the controllers ask of a model, whichever it is."""
+"""The interface of models for controllers."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Model(Protocol):
 
     @property
     def has_obstacle(self) -> bool:
-        """Whether it has a distance and a contact force."""
+        """True if the model has a distance and a contact force."""
 
     @property
     def has_pad(self) -> bool:
-        """Whether it has a pad's pressure."""
+        """True if the model has a pad's pressure."""
 
     @property
     def parameters(self) -> list[Parameter]:

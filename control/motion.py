@@ -1,4 +1,4 @@
-"""What a controller asks of a finger, and what its motors and its object allow."""
+"""Commands of a controller to a finger, and limits of its actuators and its object."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MEANING = {
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Motion:
-    """What a controller asks of a finger.
+    """A command of a controller to a finger: tensions for a target, and how well they meet it.
 
     Attributes:
         tensions: [N], then pressures of chambers [Pa], shape (loads,); if the target cannot be met, those that come
@@ -62,7 +62,7 @@ class Motion:
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met."""
+        """True if the target is met."""
         return self.status == "converged"
 
     def as_json(self) -> dict[str, Any]:
@@ -127,7 +127,7 @@ def for_each(name: str, value: ArrayLike, loads: Sequence[Parameter]) -> np.ndar
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What the actuators can do; the model's trained loads limit them too.
+    """Limits of the actuators. The model's trained loads are limits, too.
 
     Attributes:
         lower, upper: of the tensions [N] and pressures [Pa], one for all or shape (loads,).
@@ -147,9 +147,9 @@ class Limits:
             ValueError: none are left, another number of them, or no rate.
         """
         shape = lower.shape
-        for name, given in (("lower", self.lower), ("upper", self.upper)):
-            if np.shape(given) not in ((), shape):
-                raise ValueError(f"limits.{name} must be one number or {shape[0]}, got {given}")
+        for name, ends in (("lower", self.lower), ("upper", self.upper)):
+            if np.shape(ends) not in ((), shape):
+                raise ValueError(f"limits.{name} must be one number or {shape[0]}, got {ends}")
         own = (
             np.broadcast_to(np.asarray(self.lower, float), shape),
             np.broadcast_to(np.asarray(self.upper, float), shape),

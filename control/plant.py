@@ -1,4 +1,4 @@
-"""What a controller drives: a finger whose tendons are pulled and whose force is felt; and what may go wrong."""
+"""Plants of controllers: fingers whose tendons are pulled and whose contact force is read, and their faults."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.model import Model
-from rom.rod.motion.moving_finger import MotionState, MovingFinger
+from rom.rod.motion.motion_state import MotionState
+from rom.rod.motion.moving_finger import MovingFinger
 from rom.rod.touched_rod import TouchedRod
 
 
@@ -28,7 +29,7 @@ def age_of(plant: Plant) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Flaws:
-    """How a simulated finger differs from its model.
+    """Deviations of a simulated finger from its model.
 
     Attributes:
         noise: standard deviation of the force sensor [N].
@@ -55,7 +56,7 @@ class Flaws:
 
 
 class Sensor:
-    """A force sensor with flaws; where the tip is given, also a sensor of it.
+    """A force sensor with flaws; if it reads tips, also a sensor of the tip.
 
     Attributes:
         age: of the last reading [s].
@@ -126,6 +127,8 @@ class MovingPlant:
 
     Attributes:
         state: after the last pull; None before the first.
+        contact_force: the true one, its mean over the last pull's period [N]: at impact on a rigid object, the force
+            at an instant depends on the step of time, and the mean does not.
         age: of the last readings [s].
 
     Args:
@@ -154,7 +157,8 @@ class MovingPlant:
         if not isinstance(steps, int) or steps < 1:
             raise ValueError(f"steps must be an integer of at least 1, got {steps}")
         self.state: MotionState | None = None
-        self.age, self._distance, self._steps, self._flaws = 0.0, distance, steps, flaws or Flaws()
+        self.contact_force, self.age = 0.0, 0.0
+        self._distance, self._steps, self._flaws = distance, steps, flaws or Flaws()
         self._sensor, self._rest = Sensor(self._flaws, seed), model.rod.rest
         rest = np.append(np.zeros(len(model.rod.names)) if tensions is None else np.asarray(tensions, float), distance)
         self._finger, self._tensions = MovingFinger(model, rest, density), rest[:-1]
@@ -169,11 +173,6 @@ class MovingPlant:
         """The tip plate's centre in the clamp's frame after the last pull, shape (3,) [m]; nan before one."""
         return np.full(3, np.nan) if self.state is None else self._rest + self.state.tip
 
-    @property
-    def contact_force(self) -> float:
-        """The true one, after the last pull [N]."""
-        return 0.0 if self.state is None else (1 + self._flaws.force_error) * float(self.state.contact_forces[0])
-
     def pull(self, tensions: ArrayLike) -> float:
         """See Plant.
 
@@ -181,6 +180,7 @@ class MovingPlant:
             ValueError: the finger moves out of the domain of its elements, or no step was found.
         """
         goal, begun, length = np.asarray(tensions, float), self._tensions, self._flaws.period / self._steps
+        forces = []
         for k in range(1, self._steps + 1):
             now = goal if k == self._steps else begun + k / self._steps * (goal - begun)
             self.state = self._finger.step(np.append(now, self._distance), length)
@@ -189,7 +189,8 @@ class MovingPlant:
                     f"tensions must keep the finger where its elements were trained, got {self.state.status} at "
                     f"{goal.tolist()}, {self.state.time:.4g} s"
                 )
-        self._tensions = goal
+            forces.append(float(self.state.contact_forces[0]))
+        self._tensions, self.contact_force = goal, (1 + self._flaws.force_error) * float(np.mean(forces))
         felt, self.age = self._sensor.read(self.contact_force, self.true_tip), self._sensor.age
         return felt
 
@@ -202,7 +203,7 @@ class Slipping:
 
     @property
     def age(self) -> float:
-        """Of the last reading [s]."""
+        """Age of the last reading [s]."""
         return age_of(self._plant)
 
     def pull(self, tensions: ArrayLike) -> float:
@@ -215,14 +216,14 @@ class Slipping:
 
 
 class Dead:
-    """A finger whose sensor says nothing (NaN) during some pulls."""
+    """A finger whose sensor reads NaN during some pulls."""
 
     def __init__(self, plant: Plant, begin: int, end: float = np.inf):
         self._plant, self._begin, self._end, self._pulls = plant, begin, end, 0
 
     @property
     def age(self) -> float:
-        """Of the last reading [s]."""
+        """Age of the last reading [s]."""
         return age_of(self._plant)
 
     def pull(self, tensions: ArrayLike) -> float:

@@ -115,8 +115,8 @@ def hold(finger: Any, start: np.ndarray, target: float, distance: float, rules: 
         rules: a struct control_rules.
     """
     tensions, outcome = np.empty(len(start)), CONTROL.ffi.new("control_outcome *")
-    given = pointer(start), target, distance, rules, memory_of(finger), pointer(tensions), outcome
-    CONTROL.functions.control_hold(finger, *given)
+    arguments = pointer(start), target, distance, rules, memory_of(finger), pointer(tensions), outcome
+    CONTROL.functions.control_hold(finger, *arguments)
     return tensions, outcome
 
 
@@ -156,16 +156,16 @@ def reach(
     If no tension may change by more than a finite `change` [N], from the start only.
     """
     tensions, outcome = np.empty(len(start)), CONTROL.ffi.new("control_outcome *")
-    given = pointer(start), change, pointer(target), distance, rules, memory_of(finger), pointer(tensions), outcome
-    CONTROL.functions.control_reach(finger, *given)
+    arguments = pointer(start), change, pointer(target), distance, rules, memory_of(finger), pointer(tensions), outcome
+    CONTROL.functions.control_reach(finger, *arguments)
     return tensions, outcome
 
 
 def locate(finger: Any, tensions: np.ndarray, felt: np.ndarray, hint: float, rules: Any) -> Any:
     """The plane on which tensions, shape (m, tensions) [N], press with forces, shape (m,) [N]: the outcome."""
     outcome = CONTROL.ffi.new("control_outcome *")
-    given = pointer(tensions), pointer(felt), hint, rules, memory_of(finger, len(felt)), outcome
-    CONTROL.functions.control_locate(finger, len(felt), *given)
+    arguments = pointer(tensions), pointer(felt), hint, rules, memory_of(finger, len(felt)), outcome
+    CONTROL.functions.control_locate(finger, len(felt), *arguments)
     return outcome
 
 
@@ -181,12 +181,12 @@ def grip(
 ) -> tuple[np.ndarray, Any]:
     """Find the plane from a reading [N] at the tensions `then`; then tensions near the present that hold `aim` [N].
 
-    Of the plane's distance [m], nan before the first reading, a share `gain` of the correction is taken.
+    The plane's distance [m], nan before the first reading, is corrected by a share `gain`.
 
     Returns:
         tensions [N], and the outcome: distance, force that was expected before the reading [N], status of holding.
     """
     tensions, outcome = np.empty(len(present)), CONTROL.ffi.new("control_outcome *")
-    given = pointer(then), felt, pointer(present), aim, distance, gain, rules
-    CONTROL.functions.control_grip(finger, *given, memory_of(finger), pointer(tensions), outcome)
+    arguments = pointer(then), felt, pointer(present), aim, distance, gain, rules
+    CONTROL.functions.control_grip(finger, *arguments, memory_of(finger), pointer(tensions), outcome)
     return tensions, outcome

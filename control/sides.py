@@ -46,5 +46,5 @@ class Sides:
         return y, z
 
     def _mirrors(self, axis: int) -> bool:
-        """Whether the scene's own actuators bend the finger to one side only."""
+        """True if the scene's own actuators bend the finger to one side only."""
         return bool(np.all(self._bends[:, axis] >= 0))

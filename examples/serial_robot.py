@@ -16,7 +16,7 @@ from control.robot import Link, LinkedPlant, SerialBridge, SimulatedMotors
 model = rom.load()  # the bundled finger before the plane y = side/2 + d
 target, distance = 1.0, 0.012  # [N], [m], which the controller does not have
 ended = threading.Event()
-serving = []  # what threads repeat until the loop ends
+serving = []  # a thread repeats this until the loop ends
 
 if sys.argv[1:]:
     import serial

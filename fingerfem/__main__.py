@@ -170,14 +170,13 @@ def snapshots(
         logging.info("expected: %s", scene.expected)
     if coarse:
         scene = scene.on_coarse_mesh()
+    held_out: HeldOut | GivenPoints | None = None if points is None else GivenPoints(points)
+    if random:
+        held_out = HeldOut(count=random, seed=seed, distances=distances)
     request = Request(
         scene=scene,
         folder=folder,
-        held_out=HeldOut(count=random, seed=seed, distances=distances)
-        if random
-        else GivenPoints(points)
-        if points is not None
-        else None,
+        held_out=held_out,
         until=None if until is None else share("until", until),
         budget=duration("budget", budget) if budget is not None else math.inf,
         reuse=reuse,

@@ -20,7 +20,7 @@ NEAREST = 1e-4  # of a plane before a finger of elements, whose file has no near
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """What a model said at one point, and what is true on its mesh.
+    """Comparison of a model's answer at one point with the full-order model on its mesh.
 
     Attributes:
         answer: the model's.
@@ -44,7 +44,7 @@ class Certificate:
 
     @property
     def covered(self) -> bool:
-        """Whether the model's own estimates cover them; they say nothing of a point that is not inside."""
+        """True if the model's own estimates cover the errors, and the point is inside its domain."""
         estimated = self.answer.error
         return bool(self.answer.inside) and all(error <= estimated[name] for name, error in self.errors.items())
 

@@ -1,4 +1,4 @@
-"""What an installation has, what is wrong with it, and how to mend it."""
+"""Report of an installation: its parts, their faults, and the remedies."""
 
 from __future__ import annotations
 
@@ -172,5 +172,5 @@ def report() -> list[Finding]:
     return findings
 
 
-if __name__ == "__main__":  # where even the command line's own packages are missing
+if __name__ == "__main__":  # works without even the command line's own packages
     raise SystemExit(3 if any(finding.verdict == "wrong" for finding in report()) else 0)

@@ -60,7 +60,7 @@ def friction_history(
     """States along a history, from point to point in straight lines, of plates and rubber before an obstacle.
 
     A first point in contact is reached by the obstacle coming along its direction, with the tensions as they are there.
-    Where that is oblique to the surface, d drags a round obstacle along.
+    If that is oblique to the surface, d drags a round obstacle along.
 
     Args:
         model: a finger whose scene has one obstacle, with the penalty method.
@@ -155,7 +155,7 @@ class _History:
             self._rub(False)
 
     def _along(self, way: np.ndarray) -> float:
-        """How far d would move the plane as a motion along its normal does; 0 for a round obstacle [m]."""
+        """Change of d that equals a plane's motion along its normal [m]; 0 for a round obstacle."""
         if not self._body.is_flat:
             return 0.0
         (normal,) = self._body.normal_at(np.zeros((1, 3)), np.zeros(1))
@@ -223,7 +223,7 @@ class _History:
         raise NotConverged(f"friction still disobeys its law after {TRIES} solutions")
 
     def _state(self) -> FrictionState:
-        """What is reported of the present state."""
+        """Report of the present state."""
         problem, drag = self._problem, self._points.drag()
         normal = drag.normal_forces
         own = -(drag.tangential.forces - normal[:, None] * drag.normals).sum(axis=0)

@@ -54,7 +54,7 @@ class FullOrderPlant:
         return self.contact_force
 
     def _goes_on(self, tensions: ArrayLike) -> bool:
-        """Whether the last pull's equilibrium leads to these tensions."""
+        """Continues the last pull's equilibrium to these tensions; False if that fails."""
         if self._last is None:
             return False
         before, displacement = self._last

@@ -143,7 +143,7 @@ class _History:
         self._layers.load(tensions)
 
     def _compliance(self) -> tuple[np.ndarray, np.ndarray]:
-        """By unit tensions of all layers: displacements, (all, owned), and shortenings, shape (all, all) [m/N]."""
+        """Displacements, (all, owned), and shortenings, (all, all), by unit tensions of all layers [m/N]."""
         linear, gradients = self._newton.linearise(), self._layers.gradients()
         rows = np.array([one.array_r.copy() for one in gradients])
         moved = -np.array([linear.solve(one) for one in gradients])
@@ -213,7 +213,7 @@ class _History:
         ]
 
     def _state(self, loads: np.ndarray) -> GuideState:
-        """What is reported of the present state."""
+        """Report of the present state."""
         problem = self._problem
         return GuideState(
             tip=problem.tip(),

@@ -109,12 +109,12 @@ class FingerModel:
 
     @cached_property
     def channel_lengths(self) -> ChannelLengths:
-        """What measures the tendons' channels up to every cross-section (collective when it is first asked for)."""
+        """Lengths of the tendons' channels up to every cross-section (collective when it is first asked for)."""
         return ChannelLengths(self.problem)
 
     @cached_property
     def section_volumes(self) -> SectionVolumes:
-        """What measures the chambers' volumes up to every cross-section (likewise)."""
+        """Volumes of the chambers up to every cross-section (likewise)."""
         return SectionVolumes(self.problem)
 
     @cached_property
@@ -122,5 +122,5 @@ class FingerModel:
         return Surface(self.problem)
 
     def passes_through_itself(self) -> bool:
-        """Whether the finger's surface does, which nothing in the model prevents (collective)."""
+        """True if the finger's surface passes through itself, which nothing in the model prevents (collective)."""
         return self._surface.passes_through_itself(self.problem.displacement.reshape(-1, 3))

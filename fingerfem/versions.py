@@ -1,4 +1,4 @@
-"""What a number depends on besides the scene."""
+"""Versions of software that a number depends on, besides the scene."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rom.separated.model import SeparatedModel
     from rom.separated.rod_source import specialise
 
-# Where each is.
+# Modules of public names.
 _HOMES = {
     "Answer": "rom.answer",
     "BaseMotion": "rom.dataset.rigid_motion",

@@ -219,7 +219,7 @@ def check_model(
 
 @app.command()
 def info(model: ModelFile, as_json: AsJson = False) -> None:
-    """What a model file holds: parameters with units and ranges, terms, accuracy, versions."""
+    """Show a model file's parameters with units and ranges, its terms, accuracy and versions."""
     if kind_of(model) == rod.KIND:
         finger = Rod.load(model)
         show(rod_summary(finger), finger.tables(), as_json)

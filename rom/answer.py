@@ -92,7 +92,7 @@ class Answer:
         return found | {"inside": bool(self.inside)}
 
     def tables(self, actuators: Sequence[str] = ()) -> list[Table | str]:
-        """For people; of many points the first ones, without the tip.
+        """Tables for people: the first ones of many points, without the tip.
 
         Args:
             actuators: names of the tendons, then of the chambers; numbers if omitted.

@@ -83,7 +83,7 @@ def with_mesh_error(rod: Rod, finer: Sequence[SnapshotSet]) -> Rod:
 
 
 def covering(pairs: Sequence[tuple[Model, SnapshotSet]]) -> dict[str, float]:
-    """By which factors estimated errors of models cover held-out states, by quantity, at least 1 [-].
+    """Factors by which estimated errors of models cover held-out states, by quantity, at least 1 [-].
 
     The least factor is the conformal quantile, see `rom.elements.fitting.calibration`, for states drawn like these.
     """

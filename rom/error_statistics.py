@@ -18,12 +18,12 @@ def mean_size(field: np.ndarray) -> float:
 
 
 def norm(values: np.ndarray) -> np.ndarray:
-    """Of vectors in rows, shape (n, m); shape (n,)."""
+    """Norms of vectors in rows, shape (n, m); shape (n,)."""
     return np.linalg.norm(values, axis=1)
 
 
 def statistics(absolute: np.ndarray, size: np.ndarray, estimate: np.ndarray | None = None) -> dict[str, float]:
-    """Of errors in a quantity's unit, its sizes, and what a model estimates its errors at, shapes (states,)."""
+    """Statistics of errors in a quantity's unit, by its sizes and its estimated errors, shapes (states,)."""
     if not absolute.size:
         return {"count": 0}
     relative = absolute / np.maximum(size, np.finfo(float).tiny)

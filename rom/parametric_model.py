@@ -1,4 +1,4 @@
-"""What models of tensions and distances have in common: the box of their parameters, and points that are checked."""
+"""Base of models of tensions and distances: the box of their parameters, and checked points."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ParametricModel:
             """Tensions, then distances."""
 
         def tables(self) -> list[Table | str]:
-            """For people."""
+            """Tables for people."""
 
         def evaluate(self, parameters: ArrayLike, d: ArrayLike | None = None) -> Answer:
             """Outputs with estimated errors, at one point or many."""

@@ -135,7 +135,7 @@ def _fineness(mesh: dict[str, Any]) -> int:
 
 
 def _brought(own: np.ndarray, others: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """What brings a field from a model's nodes to a set's, shape (nodes, 3); none if they are the same."""
+    """Interpolation of a field, shape (nodes, 3), from a model's nodes to a set's; the identity if they agree."""
     if own.shape == others.shape and np.allclose(own, others, rtol=0, atol=SHARE * np.ptp(own)):
         return lambda field: field
     bring = mesh_transfer.interpolation(own, others)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.elements.pieces import Piece
 from rom.rod.rod import Rod
 from rom.separated.model import SeparatedModel
 
 
 def origin(snapshots: SnapshotSet) -> dict[str, Any]:
-    """What a model was made from, in plain data."""
+    """Origin of a model in plain data: fingerprint, versions, and numbers of states."""
     return {
         "fingerprint": snapshots.description.fingerprint,
         "versions": snapshots.description.versions,
@@ -24,7 +25,7 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
     return {
         "scene": finger.scene["name"],
         "parameters": [one.as_json() for one in finger.parameters],
-        "segments": [[{"element": piece.kind, "length_m": piece.length} for piece in one] for one in finger.pieces],
+        "segments": [[_piece(piece) for piece in one] for one in finger.pieces],
         "terms": {kind: len(law.polynomial.powers) for kind, law in finger.elements.laws.items()},
         "contact_force_error": finger.errors.contact_force,
         "place_error_m": finger.errors.position,
@@ -35,6 +36,12 @@ def rod_summary(finger: Rod) -> dict[str, Any]:
         "trained_on": finger.elements.scene["name"],
         "provenance": finger.elements.provenance,
     }
+
+
+def _piece(piece: Piece) -> dict[str, Any]:
+    """An element in plain data."""
+    own = {} if piece.material is None else {"material": piece.material, "modulus_over_rubber": piece.modulus}
+    return {"element": piece.kind, "length_m": piece.length} | own
 
 
 def finer_origin(finer: SnapshotSet) -> dict[str, Any]:

@@ -32,7 +32,7 @@ STUDIES = {
     "rubber": Study("accuracy", _same("indentation", "random_objects", "robustness")),
     "several": Study("accuracy", _same("several", "histories")),
     "guides": Study("accuracy", _same("histories", "friction")),
-    "motion": Study("accuracy", _same("motion")),
+    "motion": Study("accuracy", _same("frequencies", "motion")),
     "tracking": Study("accuracy", _same("tracking")),
     "feeling": Study("accuracy", {"states": "full_order:states", "feeling": "feeling"}),
     "assembled": Study("accuracy", _same("four", "fingers")),

@@ -110,7 +110,7 @@ def wait_for(words: list[str]) -> int:
 def scene_file(name: str, out: Path, quick: bool) -> Path:
     """The file of one of the demo's scenes."""
     own = SCENES / f"{'plane' if name == 'plants' else name}.toml"
-    changes = QUICK[name] if quick else PLANTS if name == "plants" else {}
+    changes = QUICK[name] if quick else {"plants": PLANTS}.get(name, {})
     if not changes:
         return own
     file = out / f"{name}.toml"

@@ -1,4 +1,4 @@
-"""What studies measure alike: times of calls, quantiles of errors, points of a model's box."""
+"""Measurements that studies share: times of calls, quantiles of errors, points of a model's box."""
 
 from __future__ import annotations
 

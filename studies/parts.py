@@ -41,11 +41,11 @@ class Run:
 
     @property
     def file(self) -> Path:
-        """What the part writes."""
+        """File of the part's result."""
         return self.folder / f"{self.name.split('/')[1]}.json"
 
     def once(self, key: str, measure: Callable[..., Any], *given: Any) -> Any:
-        """What `measure(*given)` returns, or returned before the part was interrupted; printed when it is new."""
+        """Result of `measure(*given)`, kept if the part was interrupted; printed when it is new."""
         file = self.file.with_suffix(".rows.json")
         kept = json.loads(file.read_text()) if file.exists() else {}
         own = kept.get("rows", {}) if kept.get("hash") == measuring_hash(self.name) else {}
@@ -77,7 +77,7 @@ def sources(study: str) -> list[Path]:
 
 
 def measuring_hash(name: str) -> str:
-    """Of what measures NAME/PART: the part's module and what that imports of its study."""
+    """Hash of the code of NAME/PART: the part's module and those of its study that this imports."""
     study, _, part = name.partition("/")
     folder = ROOT / "studies" / study
     module = STUDIES[study].parts[part].partition(":")[0]
@@ -102,7 +102,7 @@ def imported(file: Path, folder: Path) -> list[Path]:
 
 
 def version() -> str:
-    """Of the packages and scenes that are measured."""
+    """Hash of the packages and scenes that are measured."""
     kinds = ("*.py", "*.c", "*.h", "*.in", "*.toml")
     folders = [ROOT / name for name in ("fingerfem", "rom", "control", "scenes")]
     return hashed([file for folder in folders for kind in kinds for file in folder.rglob(kind)], ROOT)
@@ -133,7 +133,7 @@ def finished(run: Run, result: Any, seconds: float) -> None:
 
 
 def place(name: str, out: Path) -> Run:
-    """Where a part keeps its things."""
+    """Run of a part, with its folders."""
     folder = out / version()
     return Run(name, folder / name.split("/")[0], folder / "sets")
 

@@ -1,4 +1,4 @@
-"""What the demo shows of its numbers: pictures, tables, and the pages that templates make of them."""
+"""Report of the demo's numbers: pictures, tables, and the pages that templates make of them."""
 
 from __future__ import annotations
 

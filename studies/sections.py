@@ -46,7 +46,7 @@ def marks(study: str) -> re.Pattern[str]:
 
 
 def page_hash(study: str) -> str:
-    """Of a study and its template: what a section must carry to be fresh."""
+    """Hash of a study and its template, which its section must have to be fresh."""
     return hashed(sources(study), ROOT, without_imports)
 
 
@@ -90,7 +90,7 @@ def stale() -> list[str]:
 
 
 def templates() -> jinja2.Environment:
-    """Where pages come from: a missing number is an error, and lines of logic leave no trace."""
+    """Environment of the templates: a missing number is an error, and lines of logic leave no trace."""
     found = jinja2.Environment(
         loader=jinja2.FileSystemLoader(ROOT / "studies"),
         undefined=jinja2.StrictUndefined,

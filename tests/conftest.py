@@ -1,4 +1,4 @@
-"""What tests share: the bundled finger, its table before the plane, and what `make test` trains first, by TRAIN."""
+"""Fixtures of all tests: the bundled finger, its table before the plane, and fingers that `make test` trains first."""
 
 import json
 import os
@@ -50,7 +50,7 @@ def table_file(table, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def models(table):
-    """What is exported, by name."""
+    """Exported models, by name."""
     from assembled import two_segments
 
     import rom

@@ -1,4 +1,4 @@
-"""What holds for every gymnasium environment: episodes are the same again, and vectors keep the last observation."""
+"""Checks of any gymnasium environment: episodes are the same again, and vectors keep the last observation."""
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, SyncVectorEnv

@@ -24,7 +24,7 @@ NOISE = ("Traceback", "No such option", "Aborted!", "Usage:", "KeyboardInterrupt
 
 @dataclass(frozen=True, kw_only=True)
 class Shown:
-    """What a command did on a terminal.
+    """Output of a command on a terminal, and its exit code.
 
     Attributes:
         code: its exit code; minus the signal's number if one ended it.
@@ -56,7 +56,7 @@ class Shown:
 
     @property
     def coloured(self) -> bool:
-        """Whether anything has a colour."""
+        """True if anything has a colour."""
         return re.search(r"\x1b\[(3[0-9]|9[0-7])[;m]", self.raw) is not None
 
     def assert_readable(self) -> None:
@@ -115,7 +115,7 @@ def _plain(written: bytes) -> str:
 
 
 def _read(terminal: int, deadline: float) -> bytes | None:
-    """What comes next; None at the end."""
+    """Reads the next bytes; None at the end."""
     while True:
         if time.monotonic() > deadline:
             raise TimeoutError

@@ -107,7 +107,9 @@ def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Mea
     if not options.fit and not seen[0]:
         fitted = [name for name in fitted if name not in PLACE]
     if (log.has("torque") or log.has("angle") or "pulley_radius" in fitted) and options.pulley_radius is None:
-        raise ValueError(f"pulley_radius must be given [m] to fit it, or for torques or angles such as in {log.path}")
+        raise ValueError(
+            f"pulley_radius must be a number [m] to fit it, or for torques or angles such as in {log.path}, got none"
+        )
     if "friction" in fitted and not (log.has("tension") or log.has("torque")):
         raise ValueError(f"friction must be fitted to tensions or torques, got neither in {log.path}")
     rod = model.rod
@@ -132,7 +134,9 @@ def _weighing(rod: Rod, direction: Sequence[float] | None) -> Rod:
     if "gravity" in rod.scene:
         return rod if direction is None else rod.with_gravity(direction)
     if direction is None:
-        raise ValueError("gravity must be given, the direction of the weight in the clamp's frame, to fit the density")
+        raise ValueError(
+            "gravity must be the direction of the weight in the clamp's frame to fit the density, got none"
+        )
     gravity = gravity_of({"density": DENSITY, "direction": [float(part) for part in direction]})
     return Rod(elements=rod.elements, scene=rod.scene | {"gravity": gravity}, accuracy=rod.accuracy)
 
@@ -145,7 +149,9 @@ def noise_of(text: str) -> tuple[str, float]:
     """
     parts = NOISE.fullmatch(text)
     if parts is not None and parts[1] in GROUPS:
-        units = {"%": 0.01} if parts[1] in RELATIVE else LENGTHS if GROUPS[parts[1]][0] == "m" else ANGLES
+        units = LENGTHS if GROUPS[parts[1]][0] == "m" else ANGLES
+        if parts[1] in RELATIVE:
+            units = {"%": 0.01}
         if parts[3] in units:
             try:
                 return parts[1], float(parts[2]) * units[parts[3]]

@@ -52,7 +52,7 @@ class Estimate:
 
     @property
     def determined(self) -> bool:
-        """Whether the log determines the parameter."""
+        """True if the log determines the parameter."""
         return self.interval is not None
 
 
@@ -65,7 +65,7 @@ class Calibration:
         parameters: the fitted ones.
         correlations: of the fitted parameters, shape (p, p) [-]; nan of those that are not determined.
         undetermined: combinations of parameters that the log does not determine, each with a remedy.
-        noise: standard deviation of every quantity, estimated or given [m, rad], or relative [-].
+        noise: standard deviation of every quantity, estimated or set by the caller [m, rad], or relative [-].
         errors: sizes of the residuals by quantity: "fit" and "left_out" (leave-one-out), each with median, p95 and max.
         warnings: one line for each outlier, asymmetry, hysteresis, or law that differs.
         poses: how many were used.
@@ -169,8 +169,8 @@ def _correlations(found: Fit) -> np.ndarray:
 def _summary(measured: Measured, group: str, errors: np.ndarray) -> dict[str, float]:
     """Median, 95th percentile and maximum; of contact forces relative to the measured ones, where there are any."""
     if group in ("tension", "torque", "contact_force"):
-        given = np.abs(measured.given[:, np.array(measured.columns) == group]).max(axis=1)
-        errors = errors / np.where(given > 0, given, np.nan)
+        sizes = np.abs(measured.readings[:, np.array(measured.columns) == group]).max(axis=1)
+        errors = errors / np.where(sizes > 0, sizes, np.nan)
     known = errors[np.isfinite(errors)]
     if not len(known):
         return {"count": 0, "median": 0.0, "p95": 0.0, "max": 0.0}

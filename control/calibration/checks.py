@@ -76,13 +76,13 @@ def _check_movement(measured: Measured) -> None:
     none = np.zeros(len(measured.unknowns.names))
     sigma = {name: GROUPS[name][1] for name in measured.groups}
     tensions = first_tensions(measured, none, sigma)
-    model = measured.residuals(none, tensions).values + np.nan_to_num(measured.given)
+    model = measured.residuals(none, tensions).values + np.nan_to_num(measured.readings)
     for group, names in _columns(measured):
         own = np.array(measured.columns) == group
         used = measured.used[:, own].all(axis=1)
         if group == "orientation" or used.sum() < 2:
             continue
-        seen, expected = (one[used][:, own] - one[used][:, own].mean(axis=0) for one in (measured.given, model))
+        seen, expected = (one[used][:, own] - one[used][:, own].mean(axis=0) for one in (measured.readings, model))
         moved, expects = float(np.linalg.norm(seen)), float(np.linalg.norm(expected))
         ratio = moved / (expects or 1.0)
         if 1 / (FAR * FAR) < ratio < FAR * FAR or expects == 0:
@@ -110,11 +110,11 @@ def check_order(measured: Measured, found: Fit) -> None:
     Raises:
         Refused: names both columns, and the line with the largest residual.
     """
-    own = (np.array(measured.columns) == "position") & np.isfinite(measured.given).any(axis=0)
+    own = (np.array(measured.columns) == "position") & np.isfinite(measured.readings).any(axis=0)
     if not own.any():
         return
     plain = found.residuals[:, own] / np.where(measured.used[:, own], found.whitening[:, own], 1.0)
-    movement = np.nanstd(measured.given[:, own], axis=0)
+    movement = np.nanstd(measured.readings[:, own], axis=0)
     bad = float(np.sqrt((plain**2).mean()))
     if bad < BAD * np.linalg.norm(movement):
         return

@@ -130,7 +130,7 @@ def first_tensions(measured: Measured, unknowns: np.ndarray, sigma: Mapping[str,
 
 
 def settle(measured: Measured, sigma: Mapping[str, float], unknowns: np.ndarray, tensions: np.ndarray) -> np.ndarray:
-    """Tensions, pose by pose, with the least weighted residuals at given unknowns, shape (n, t) [N]."""
+    """Tensions, pose by pose, with the least weighted residuals at unknowns, shape (n, t) [N]."""
     damping, cost = np.full(len(tensions), 1e-3), np.full(len(tensions), np.inf)
     best, steps = tensions, np.zeros_like(tensions)
     for _ in range(ITERATIONS):

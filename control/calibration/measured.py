@@ -83,7 +83,7 @@ class Measured:
         return [name for name in self.groups for _ in range(widths.get(name, t))]
 
     @cached_property
-    def given(self) -> np.ndarray:
+    def readings(self) -> np.ndarray:
         """Measured values, shape (n, m), nan where there are none; of orientations 0 where there is one."""
         turns = np.where(np.isfinite(self.log.orientation[:, :1]), np.zeros((1, 3)), np.nan)
         of = {name: getattr(self.log, name) for name in (*MOTORS, "position")}
@@ -98,22 +98,22 @@ class Measured:
     @property
     def used(self) -> np.ndarray:
         """Which measurements count, shape (n, m)."""
-        found = np.isfinite(self.given)
+        found = np.isfinite(self.readings)
         for k, name in enumerate(self.columns):
             if name in self.excluded:
                 found[:, k] &= ~self.excluded[name]
             if name in RELATIVE:  # without slack tendons, and contact that is hardly any
                 least = SMALL if name == "contact_force" else 0.0
-                found[:, k] &= np.abs(self.given[:, k]) > least * np.nanmax(np.abs(self.given[:, k]), initial=0.0)
+                found[:, k] &= np.abs(self.readings[:, k]) > least * np.nanmax(np.abs(self.readings[:, k]), initial=0.0)
         return found
 
     @cached_property
     def weights(self) -> np.ndarray:
         """Scales to which the standard deviations of measurements are proportional, shape (n, m)."""
-        found = np.ones_like(self.given)
+        found = np.ones_like(self.readings)
         for name in set(self.columns) & set(RELATIVE):
             own = [one == name for one in self.columns]
-            sizes = np.abs(np.nan_to_num(self.given[:, own]))
+            sizes = np.abs(np.nan_to_num(self.readings[:, own]))
             found[:, own] = np.maximum(sizes, SMALL * sizes.max(initial=0.0)) if sizes.any() else 1.0
         return found
 
@@ -145,7 +145,7 @@ class Measured:
         used = self.used
         rows, by_tension, by_unknown = (np.concatenate(one, axis=1) for one in zip(*parts, strict=True))
         return Residuals(
-            np.where(used, rows - np.nan_to_num(self.given), 0.0),
+            np.where(used, rows - np.nan_to_num(self.readings), 0.0),
             np.where(used[..., None], by_tension, 0.0),
             np.where(used[..., None], by_unknown, 0.0),
             outputs.inside,

@@ -9,7 +9,7 @@ import numpy as np
 
 from rom.brief import brief
 
-# Of every parameter that is positive, fitted by its logarithm: the unit, and a plausible deviation [-].
+# Unit, and a plausible deviation [-], of every parameter that is positive, fitted by its logarithm.
 POSITIVE = {"modulus": ("Pa", 1.0), "size": ("m", 0.2), "density": ("kg/m^3", 0.5), "pulley_radius": ("m", 0.2)}
 PLACE = ("base_x", "base_y", "base_z")  # of the clamp in the frame of the measured positions [m]
 TURN = ("base_rx", "base_ry", "base_rz")  # rotation vector of its frame [rad]
@@ -18,7 +18,7 @@ OTHERS = {
     **dict.fromkeys(TURN, ("rad", 0.2)),
     "friction": ("-", 0.2),
 }  # of places over the length [-]
-NAMED = {**{name: (name,) for name in (*POSITIVE, "friction")}, "base": (*PLACE, *TURN)}  # what a user names
+NAMED = {**{name: (name,) for name in (*POSITIVE, "friction")}, "base": (*PLACE, *TURN)}  # names for users
 DETERMINED = 0.5  # largest standard deviation of a parameter that is determined, over its plausible deviation [-]
 
 

@@ -1,4 +1,4 @@
-"""What contains controllers: the browser page and the controller's FMU."""
+"""Exports that contain controllers: the browser page and the controller's FMU."""
 
 from pathlib import Path
 

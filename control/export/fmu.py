@@ -80,7 +80,7 @@ def _held_force() -> Variable:
 
 
 def _start(tension: Parameter, reference: int) -> Variable:
-    """Of a controller's tension or pressure."""
+    """Start value of a controller's tension or pressure."""
     return Variable(
         name=f"start_{tension.name}",
         reference=reference,

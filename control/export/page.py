@@ -92,7 +92,7 @@ def weights(model: SeparatedModel | TouchedSegment, points: ArrayLike) -> np.nda
 
 
 def parts(model: TouchedSegment) -> list[np.ndarray]:
-    """Of every segment's sections, whether the next interval is its plate; the last is its front."""
+    """Marks of every segment's sections: true if the next interval is its plate; the last is its front."""
     return [np.arange(one.struct.places + ENDS) >= one.struct.places + ENDS - 2 for one in model.rod.segments]
 
 

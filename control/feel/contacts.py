@@ -47,8 +47,8 @@ class _Feeling:
         Args:
             tensions: measured, shape (t,) [N].
             shortenings: measured, shape (t,) [m]; zero where the finger is straight and no tendon is pulled.
-            expected: values of unknowns by name with their standard deviations; 0 if a value is known. Of the
-                others, an even distribution over the range is expected.
+            expected: values of unknowns by name with their standard deviations; 0 if a value is known. The others
+                are expected to be evenly distributed over their ranges.
             hint: where the search begins: the last estimate, or values of the k unknowns, shape (k,).
 
         Raises:
@@ -59,8 +59,10 @@ class _Feeling:
         pulled, shorter = (np.ascontiguousarray(one, float) for one in (tensions, shortenings))
         if pulled.shape != (t,) or shorter.shape != (t,):
             raise ValueError(f"tensions and shortenings must have shape ({t},), got {pulled.shape} and {shorter.shape}")
-        given = hint.values if isinstance(hint, Felt) else self._begin if hint is None else hint
-        begin = None if given is None else np.ascontiguousarray(given, float)
+        if isinstance(hint, Felt):
+            hint = hint.values
+        start = self._begin if hint is None else hint
+        begin = None if start is None else np.ascontiguousarray(start, float)
         if begin is not None and begin.shape != (k,):
             raise ValueError(f"hint must be {', '.join(names)}, got shape {begin.shape}")
         ranges, values, deviations = unknowns.expected(expected or {})

@@ -92,7 +92,7 @@ class Felt:
 
     @property
     def converged(self) -> bool:
-        """Whether the values are an estimate."""
+        """True if the values are an estimate."""
         return self.status == "converged"
 
     @property
@@ -107,7 +107,7 @@ class Felt:
 
     @property
     def consistent(self) -> bool:
-        """Whether chi_square is within its 99 % quantile; if not, the unknowns do not explain the measurements."""
+        """True if chi_square is within its 99 % quantile; else the unknowns do not explain the measurements."""
         return self.chi_square <= usual(self.freedom)
 
     @property

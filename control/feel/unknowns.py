@@ -54,12 +54,12 @@ class Unknowns:
         touching = self.touching or CONTROL.ffi.NULL
         return CONTROL.struct("control_felt", chain=self.rod.struct, touching=touching, unknowns=len(self.names))
 
-    def expected(self, given: Mapping[str, tuple[float, float]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def expected(self, known: Mapping[str, tuple[float, float]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Ranges, shape (2, t + k), of which known unknowns have equal ends; values and deviations, shapes (k,)."""
         k = len(self.names)
         ranges, (lower, upper) = self.ranges.copy(), self.ranges[:, -k:]
         values, deviations = (lower + upper) / 2, (upper - lower) / EVEN
-        for name, (value, deviation) in given.items():
+        for name, (value, deviation) in known.items():
             if name not in self.names:
                 raise ValueError(f"expected must name {', '.join(self.names)}, got {name}")
             own = self.names.index(name)
@@ -98,11 +98,12 @@ class Unknowns:
             "other": (n,),
         }
         found = {name: np.empty(shape) for name, shape in shapes.items()}
-        feeling, given = ffi.new("control_feeling *"), ffi.new("control_measured *", [pointer(one) for one in measured])
+        feeling = ffi.new("control_feeling *")
+        readings = ffi.new("control_measured *", [pointer(one) for one in measured])
         for name, array in found.items():
             setattr(feeling, name, pointer(array))
         felt.lower, felt.upper = map(pointer, ranges)
         memory = np.empty(lib.control_feel_memory(felt))
         begin = ffi.NULL if hint is None else pointer(hint)
-        lib.control_feel(felt, given, begin, limit, struct(RULES), pointer(memory), feeling)
+        lib.control_feel(felt, readings, begin, limit, struct(RULES), pointer(memory), feeling)
         return feeling, found

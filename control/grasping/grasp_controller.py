@@ -10,6 +10,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from control.finger import Finger
 from control.least_squares import CONVERGED, STATIONARY
@@ -28,7 +29,7 @@ DISTINCT = 1.3  # smallest ratio of a target to the force that counts as contact
 
 @dataclass(frozen=True, kw_only=True)
 class GraspOptions:
-    """How to grasp.
+    """Options of a grasp.
 
     Attributes:
         noise: standard deviation of the force sensor [N].
@@ -94,7 +95,7 @@ class Pull:
 
 
 class Grip:
-    """The controller of one finger; `step` takes a reading and says what to pull next.
+    """The controller of one finger; `step` takes a reading and returns the next tensions.
 
     Attributes:
         tensions: to be pulled now, shape (tensions,) [N].
@@ -175,11 +176,11 @@ class Grip:
 
     @property
     def done(self) -> bool:
-        """Whether it holds, or has given up."""
+        """True if it holds its target, or has failed."""
         return self.status != "moving"
 
-    def step(self, felt: float, age: float = 0.0) -> np.ndarray:
-        """What to pull next, shape (tensions,) [N], after a reading [N] of an age [s] at the tensions pulled so far."""
+    def step(self, felt: float, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
+        """Return the next tensions, shape (tensions,) [N], after a reading [N] of an age [s]; the tip is not used."""
         self.pulls += 1
         self._past.append(self.tensions)
         ages = age / self._options.period
@@ -276,12 +277,12 @@ class Grip:
             self._cap = self._most()
 
     def _close_enough(self) -> bool:
-        """Whether the felt force needs no correction; a force above the aim in a squeeze waits for the aim to grow."""
+        """True if the felt force needs no correction; a force above the aim in a squeeze waits for the aim to grow."""
         band = self._options.dead_band * self._target
         return band > 0 and min(self._aim, self._target - band) <= self.felt <= self._target + band
 
     def _lost(self, felt: float) -> bool:
-        """Whether contact is lost: then it closes again, but not much beyond where it held something."""
+        """True if contact is lost: then it closes again, but not much beyond where it held something."""
         self._missing = 0 if self._feels(felt, 0.5) else self._missing + 1  # half of the threshold for first contact
         if self._missing < (1 if self._options.noise == 0 else 2 * SURPRISED):
             return False

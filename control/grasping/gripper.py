@@ -26,7 +26,7 @@ STEEP = 1000  # points at which it looks how steeply contact force grows with te
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Grasp:
-    """How a grasp ended.
+    """Result of a grasp.
 
     Attributes:
         status: of every finger: converged, or why not (see control.grasping.grasp_controller; iteration_limit after
@@ -51,7 +51,7 @@ class Grasp:
 
     @property
     def converged(self) -> bool:
-        """Whether every finger holds."""
+        """True if every finger holds."""
         return all(status == "converged" for status in self.status)
 
     def as_json(self) -> dict[str, Any]:
@@ -66,6 +66,12 @@ class Grasp:
             "radius": self.radius,
             "pulls": len(self.history),
         }
+
+
+def evenly_around(fingers: int) -> np.ndarray:
+    """Return the directions from the axis to fingers evenly around it, shape (fingers, 2) [-]."""
+    angles = 2 * np.pi * np.arange(fingers) / fingers
+    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 class Gripper:
@@ -89,8 +95,7 @@ class Gripper:
             raise ValueError("model must have an obstacle to grasp, got a scene without one")
         self.model, self.radius = model, radius
         self.fingers = [Finger(model, limits)] * fingers  # one model, one place in memory
-        angles = 2 * np.pi * np.arange(fingers) / fingers
-        self.directions = np.column_stack([np.cos(angles), np.sin(angles)])
+        self.directions = evenly_around(fingers)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled and copied by its parameters."""
@@ -202,7 +207,7 @@ class Gripper:
                 )
         distances = np.array([grip.distance for grip in grips])
         holding = np.array([grip.status == "converged" for grip in grips])
-        centre, radius = self._object(np.where(holding, distances, np.nan))
+        centre, radius = self.locate(np.where(holding, distances, np.nan))
         return Grasp(
             status=["iteration_limit" if grip.status == "moving" else grip.status for grip in grips],
             reason=[grip.reason or (late if grip.status == "moving" else "") for grip in grips],
@@ -214,8 +219,15 @@ class Gripper:
             history=history,
         )
 
-    def _object(self, distances: np.ndarray) -> tuple[np.ndarray, float]:
-        """Centre [m] and radius [m] that explain the distances best."""
+    def locate(self, distances: np.ndarray) -> tuple[np.ndarray, float]:
+        """Centre of an object, shape (2,) [m], and its radius [m], that fit distances of its faces best.
+
+        Args:
+            distances: from the fingers, shape (fingers,) [m], nan where a finger has no contact.
+
+        Returns:
+            nan with fewer than three distances.
+        """
         located = np.isfinite(distances)
         if located.sum() < 3:
             return np.full(2, np.nan), float("nan")

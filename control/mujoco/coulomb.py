@@ -11,35 +11,45 @@ import mujoco
 import numpy as np
 
 REPETITIONS = 10  # largest number of iterations
-CLOSE = 0.01  # largest change of the correction in the last iteration, over the reference [-]
+CLOSE = 0.004  # largest change of the correction in the last iteration, over the reference [-]
+SHARES = 0.1, 5.0  # smallest and largest share of a change that is applied [-]
+TINY = float(np.finfo(float).tiny)
 DIRECTIONS = np.arange(5)  # of friction: two tangential ones, torsion, two of rolling
 
 
-def correct(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> bool:
-    """Correct the reference accelerations of contacts, given by index, between MuJoCo's mj_step1 and mj_step2.
+def solve(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> bool:
+    """Solve accelerations and constraint forces with corrected contacts, given by index, in place of mj_fwdConstraint.
 
     Returns:
-        Whether the iteration converged; if not, sliding bodies still lift off a little.
+        True if the iteration converged; else sliding bodies still lift off a little.
     """
+    mujoco.mj_fwdConstraint(model, data)
     all_ = data.contact
-    own = contacts[(all_.dim[contacts] > 1) & (all_.efc_address[contacts] >= 0)]
-    if not len(own):
+    dimensions, addresses = all_.dim[contacts], all_.efc_address[contacts]
+    own = (dimensions > 1) & (addresses >= 0)
+    if not own.any():
         return True
-    normal, frictional = all_.efc_address[own], all_.dim[own, None] - 1 > DIRECTIONS
+    normal, frictional = addresses[own], dimensions[own, None] - 1 > DIRECTIONS
     along = np.minimum(normal[:, None] + 1 + DIRECTIONS, data.nefc - 1)
-    friction = all_.friction[own] * frictional
-    wanted, accelerations = data.efc_aref[normal].copy(), np.empty(data.nefc)
-    before = np.zeros(len(own))
-    mujoco.mj_fwdActuation(model, data)
-    mujoco.mj_fwdAcceleration(model, data)
-    for _ in range(REPETITIONS):
-        mujoco.mj_fwdConstraint(model, data)
+    friction = all_.friction[contacts][own] * frictional
+    reference, forces = data.efc_aref, data.efc_force
+    wanted, accelerations = reference[normal], np.empty(data.nefc)
+    correction, last = np.zeros((2, len(normal)))
+    share = 1.0
+    for repetition in range(REPETITIONS):
         mujoco.mj_mulJacVec(model, data, accelerations, data.qacc)
-        missing = friction * (accelerations - data.efc_aref)[along]
-        lifted = np.sqrt(np.einsum("ki,ki->k", missing, missing)) * (data.efc_force[normal] > 0)
-        data.efc_aref[normal] = wanted - lifted
-        data.qacc_warmstart[:] = data.qacc
-        if np.all(np.abs(lifted - before) <= CLOSE * (np.abs(wanted) + lifted)):
+        missing = friction * (accelerations[along] - reference[along])
+        lifted = np.sqrt(np.einsum("ki,ki->k", missing, missing)) * (forces[normal] > 0)
+        change = lifted - correction
+        if np.all(np.abs(change) <= CLOSE * (np.abs(wanted) + lifted)):
             return True
-        before = lifted
+        if repetition == REPETITIONS - 1:
+            break
+        if repetition:  # Aitken's relaxation of the fixed point (Irons and Tuck 1969)
+            turned = last - change
+            share = float(np.clip(share * (last @ turned) / max(turned @ turned, TINY), *SHARES))
+        correction, last = np.maximum(correction + share * change, 0.0), change
+        reference[normal] = wanted - correction
+        data.qacc_warmstart[:] = data.qacc
+        mujoco.mj_fwdConstraint(model, data)
     return False

@@ -151,7 +151,7 @@ class GraspEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     @property
     def period(self) -> float:
-        """Of a step [s]."""
+        """Duration of a step [s]."""
         return self._period
 
     def _observation(self) -> np.ndarray:

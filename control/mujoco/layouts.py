@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from control.grasping.grasp_forces import Targets
-from control.grasping.gripper import Gripper
+from control.grasping.gripper import Gripper, evenly_around
 from control.model import Model
 from control.motion import Limits
 from control.mujoco.solids import Solid
 from rom.brief import brief
 
 FINGERS = (2, 3, 4)  # of a gripper
+# Added to the height of the grasp of curved or irregular solids [m].
+HEIGHTS = (-0.004, -0.002, 0.0, 0.002, 0.004)
+CURVED = ("sphere", "mesh")
+LOWEST = 0.009  # height at which tilted plates are clear of the table, whatever the pose error [m]
+PLANNED = 2  # best candidates by `Solid.room` of which contact forces are computed
 
 
 @brief
@@ -20,17 +26,26 @@ class Layout(NamedTuple):
 
     Attributes:
         gripper: with its number of fingers.
+        solid: with the height of the grasp.
         turn: rotation of the solid about its axis, relative to the fingers [rad].
         targets: contact forces, or the reason why none exist.
     """
 
     gripper: Gripper
+    solid: Solid
     turn: float
     targets: Targets
+
+    @property
+    def room(self) -> float:
+        """Ratio of the forces at which the solid is crushed and dropped [-]."""
+        return self.targets.most / self.targets.least
 
 
 def best_layout(model: Model, solid: Solid, limits: Limits | None = None, margin: float = 0.1) -> Layout:
     """Return the layout with the largest ratio of the forces at which a solid is crushed and dropped.
+
+    Numbers of fingers, rotations of the solid and, on curved faces, heights are compared.
 
     Args:
         model: of every finger.
@@ -38,10 +53,23 @@ def best_layout(model: Model, solid: Solid, limits: Limits | None = None, margin
         limits: of every finger's tensions and their rate.
         margin: admissible relative error of forces on both sides [-].
     """
-    found = []
+    added = HEIGHTS if solid.shape in CURVED else (0.0,)
+    heights = {max(solid.grasped + one, min(LOWEST, solid.grasped)) for one in added}
+    candidates = list[tuple[float, int, Solid, float]]()  # estimated room, fingers, solid, rotation
     for fingers in FINGERS:
-        gripper = Gripper(model, fingers, limits=limits)
-        turn = solid.best_turn(gripper.directions)
-        held = solid.turned(turn).held(gripper.directions)
-        found.append(Layout(gripper, turn, gripper.targets(held, margin=margin)))
-    return max(found, key=lambda one: one.targets.most / one.targets.least)
+        directions = evenly_around(fingers)
+        for height in sorted(heights):
+            one = replace(solid, grasped=height)
+            turn = one.best_turn(directions)
+            candidates.append((one.turned(turn).room(directions), fingers, one, turn))
+    candidates.sort(key=lambda one: -one[0])
+    best = candidates[:PLANNED]
+    grippers = {fingers: Gripper(model, fingers, limits=limits) for _, fingers, _, _ in best}
+    planned = [_planned(grippers[fingers], one, turn, margin) for _, fingers, one, turn in best]
+    return max(planned, key=lambda one: one.room)
+
+
+def _planned(gripper: Gripper, solid: Solid, turn: float, margin: float) -> Layout:
+    """A layout with its contact forces."""
+    held = solid.turned(turn).held(gripper.directions)
+    return Layout(gripper, solid, turn, gripper.targets(held, margin=margin))

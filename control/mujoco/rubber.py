@@ -40,7 +40,7 @@ class Rubber:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, attached: Attached):
         check(model, attached)
-        self._given, rod, n = (model, data, attached), attached.rod, len(attached.sections)
+        self._arguments, rod, n = (model, data, attached), attached.rod, len(attached.sections)
         self.bodies = np.array([model.body(one).id for one in (attached.clamp, *attached.sections)])
         joints = [model.joint(one[0]).id for one in attached.joints]
         self._positions, velocities = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
@@ -73,7 +73,7 @@ class Rubber:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled and copied by its parameters and state, without addresses."""
-        return type(self), self._given, {name: one.copy() for name, one in self._state.items()}
+        return type(self), self._arguments, {name: one.copy() for name, one in self._state.items()}
 
     def __setstate__(self, state: dict[str, np.ndarray]) -> None:
         for name, one in state.items():
@@ -83,19 +83,19 @@ class Rubber:
         """Begin without wrenches, at the current positions."""
         for one in self._state.values():
             one[:] = 0.0
-        qpos = self._given[1].qpos
+        qpos = self._arguments[1].qpos
         self._held[:] = qpos[self._positions[:, None] + np.arange(COORDINATES)]
         self._trained[:] = self._held[:, :3]
 
     def pull(self, tensions: np.ndarray, step: float) -> None:
         """Set forces and add to the inertia of a step [s], between MuJoCo's mj_step1 and the factorisation."""
-        given = pointer(np.ascontiguousarray(tensions)), step, pointer(self.inside, "int32_t[]")
-        CONTROL.functions.control_pull(self._struct, *given)
+        inside = pointer(self.inside, "int32_t[]")
+        CONTROL.functions.control_pull(self._struct, pointer(np.ascontiguousarray(tensions)), step, inside)
 
     @property
     def away(self) -> float:
         """Largest distance of a section from its last position within the trained domain [m]."""
-        slides = self._given[1].qpos[self._positions[:, None] + np.arange(3)]
+        slides = self._arguments[1].qpos[self._positions[:, None] + np.arange(3)]
         return float(np.linalg.norm(slides - self._trained, axis=1).max())
 
 

@@ -25,12 +25,14 @@ class Block(NamedTuple):
         begin, end: on the body's x axis [m].
         size: of its section over that of a finger without taper [-].
         is_plate: whether it is steel.
+        material: another than the rubber, along a part of the axis.
     """
 
     begin: float
     end: float
     size: float
     is_plate: bool = False
+    material: str | None = None
 
 
 @brief
@@ -49,15 +51,15 @@ class Body(NamedTuple):
 
     @property
     def is_plate(self) -> bool:
-        """Whether it contains a plate."""
+        """True if it contains a plate."""
         return any(block.is_plate for block in self.blocks)
 
     def inertia(self, rod: Rod, density: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Mass [kg], centre, shape (3,) [m], and moments of inertia about it, shape (3,) [kg m^2]."""
-        whole, total = area(rod.scene), np.zeros(13)
-        of = {False: line_mass(rod.scene, density), True: (density, mean_squares(rod.scene))}
+        whole, total, steel = area(rod.scene), np.zeros(13), (density, mean_squares(rod.scene))
         for block in self.blocks:
-            (own, squares), length, square = of[block.is_plate], block.end - block.begin, block.size**2
+            own, squares = steel if block.is_plate else line_mass(rod.scene, density, block.material)
+            length, square = block.end - block.begin, block.size**2
             total += prism(own * length * whole * square, length, squares * square, block.begin)
         mass, centre = float(total[0]), total[1:4] / total[0]
         moments = np.diag(total[4:].reshape(3, 3)) - mass * (centre @ centre - centre**2)
@@ -74,11 +76,12 @@ def bodies_of(rod: Rod) -> list[Body]:
             behind = 0.0 if k else half
             length, (distal, proximal) = (piece.length - behind) / 2, piece.ends
             before = bodies[-1].blocks
-            if before and not bodies[-1].is_plate:
+            if before and not bodies[-1].is_plate and before[-1].material == piece.material:
                 before[-1] = before[-1]._replace(end=length)
             else:
-                before.append(Block(front, front + length, proximal))
-            bodies.append(Body(front + piece.length, piece.length, [Block(-behind - length, -behind, distal)]))
+                before.append(Block(front, front + length, proximal, material=piece.material))
+            distal_half = Block(-behind - length, -behind, distal, material=piece.material)
+            bodies.append(Body(front + piece.length, piece.length, [distal_half]))
             front = 0.0
         bodies[-1].blocks.append(Block(-half, half, own[0].ends[0], is_plate=True))
     return bodies

@@ -1,7 +1,7 @@
 """Solids to be picked up: boxes, balls, cylinders, cones and convex meshes of random size, mass, friction and strength.
 
 A solid stands on z = 0, centred above the origin, and is grasped at a height. Polyhedra represent all shapes, with an
-error of at most 0.05 mm. They bound the inclination of the touched faces, for every pose within its error.
+error of at most 0.05 mm. They have the normals of the touched faces, for poses within the error.
 """
 
 from __future__ import annotations
@@ -12,12 +12,15 @@ import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from control.grasping.grasp_forces import Object
+from control.grasping.grasp_forces import GRAVITY, Object
 from rom.brief import brief
 
 SHAPES = ("box", "sphere", "cylinder", "cone", "mesh")
+AROUND_AXIS = ("sphere", "cylinder", "cone")  # are the same, however they are turned about it
 POSE_ERROR = 0.004  # of a gripper above a solid, at most [m]
 WIDTH = 0.010  # of a plate [m]
+DOWNWARDS = np.array([1.0, 0.0, 0.0])  # in the axes of Object.faces
+TOUCHES_TABLE = 1e-6  # height of corners on it [m]
 ROUND = 48  # corners of a circle
 BELOW = 0.002  # distance below its centre at which a ball is grasped [m]
 STANDS = 0.8  # share of a mesh's lower half above its flat foot [-]
@@ -53,57 +56,100 @@ class Solid:
         """Height of its frame's origin above its foot [m]; the origin of MuJoCo's primitives is their centre."""
         return float(np.ptp(self.corners[:, 2])) / 2 if self.size else 0.0
 
-    def held(self, directions: np.ndarray) -> Object:
-        """Return an object for fingers from directions, shape (fingers, 2), with the largest inclination of faces."""
-        return Object(
-            mass=self.mass,
-            friction=self.friction,
-            admissible_force=self.admissible_force,
-            lean=self.lean(directions),
-        )
+    @property
+    def tipping_force(self) -> float:
+        """Smallest horizontal force at the height of the grasp that tips it over [N]; 0 if it falls, inf for a ball."""
+        if self.shape == "sphere":
+            return float("inf")
+        foot = self.corners[self.corners[:, 2] < TOUCHES_TABLE, :2]
+        nearest = -float(ConvexHull(foot).equations[:, 2].max()) if len(foot) > 2 else 0.0
+        return self.mass * GRAVITY * max(nearest, 0.0) / self.grasped
 
-    def lean(self, directions: np.ndarray, samples: int = 100) -> float:
-        """Largest inclination of faces to the fingers' directions, shape (fingers, 2), over pose errors [rad]."""
+    @property
+    def capacity(self) -> float:
+        """Largest vertical force over a contact force on any face but the foot, with friction [-]: an upper bound.
+
+        A contact force N along an inward normal n and friction of at most mu N across it have a vertical part of at
+        most N (n_z + mu sqrt(1 - n_z^2)).
+        """
         hull = ConvexHull(self.corners)
-        normals, ends = hull.equations[:, :3], -hull.equations[:, 3]
-        errors = np.random.default_rng(0).standard_normal((samples, 3))
-        errors *= POSE_ERROR / np.linalg.norm(errors, axis=1)[:, None]
-        return max(_lean(normals, ends, direction, error, self.grasped) for error in errors for direction in directions)
+        rises = -hull.equations[self.corners[hull.simplices][:, :, 2].max(axis=1) > TOUCHES_TABLE, 2]
+        return float(np.max(rises + self.friction * np.sqrt(1 - np.minimum(rises**2, 1.0))))
+
+    def held(self, directions: np.ndarray, samples: int = 50) -> Object:
+        """Return an object for fingers from directions, shape (fingers, 2), and faces for samples of the pose error."""
+        faces = self.faces(directions, samples)
+        return Object(mass=self.mass, friction=self.friction, admissible_force=self.admissible_force, faces=faces)
+
+    def faces(self, directions: np.ndarray, samples: int = 50) -> np.ndarray:
+        """Inward normals that plates from directions, shape (fingers, 2), touch first, over pose errors.
+
+        Returns:
+            Axes are those of `Object.faces`, shape (samples, fingers, 3) [-]; downwards where a finger misses.
+        """
+        hull, random = ConvexHull(self.corners), np.random.default_rng(0)
+        planes = np.unique(hull.equations.round(12), axis=0)  # of triangles
+        normals, ends = planes[:, :3], -planes[:, 3]
+        errors = np.array([random_error(random) for _ in range(samples)])
+        return np.stack([_faces(normals, ends, one, errors, self.grasped) for one in directions], axis=1)
 
     def turned(self, angle: float) -> Solid:
         """Return it turned about its axis by an angle [rad]."""
         return replace(self, corners=Rotation.from_euler("z", angle).apply(self.corners))
 
     def best_turn(self, directions: np.ndarray, angles: int = 12) -> float:
-        """Rotation relative to the fingers with the smallest inclination of faces [rad]."""
+        """Rotation relative to the fingers that leaves most room between dropping and crushing, by `room` [rad]."""
+        if self.shape in AROUND_AXIS:
+            return 0.0
         ways = 2 * np.pi / len(directions) * np.arange(angles) / angles
-        return min(ways.tolist(), key=lambda way: self.turned(way).lean(directions, samples=24))
+        return max(ways.tolist(), key=lambda way: self.turned(way).room(directions))
+
+    def room(self, directions: np.ndarray, samples: int = 24) -> float:
+        """Estimate the ratio of the contact forces at which fingers crush or push out a solid, and drop it [-].
+
+        Forces of fingers from directions, shape (fingers, 2), are equal. Friction first balances their parts across
+        the fingers. A negative ratio means that the solid slips.
+        """
+        faces = self.faces(directions, samples)
+        aside = np.abs(faces[:, :, 1] * directions[:, 1] - faces[:, :, 2] * directions[:, 0])
+        rises, left = -faces[:, :, 0], self.friction**2 - aside**2
+        along = np.sign(left) * np.sqrt(np.abs(left) * (1 - rises**2))
+        up, pushed = ((rises + sign * along).sum(axis=1) for sign in (1, -1))
+        weight = self.mass * GRAVITY
+        most = min(self.admissible_force, weight / max(float(pushed.max()), 1e-9))
+        return most * float(up.min()) / weight
 
 
-def _lean(normals: np.ndarray, ends: np.ndarray, direction: np.ndarray, error: np.ndarray, height: float) -> float:
-    """How much a face leans that a plate's edge from a direction touches first [rad]."""
+def _faces(
+    normals: np.ndarray, ends: np.ndarray, direction: np.ndarray, errors: np.ndarray, height: float
+) -> np.ndarray:
+    """Inward normals of the faces that a plate's edge touches first, over pose errors, shape (errors, 3) [-]."""
     across, tiny = np.array([-direction[1], direction[0]]), 1e-5
+    rate = normals[:, :2] @ direction
+    ahead, behind = rate > 1e-9, rate < -1e-9
 
     def out(aside: np.ndarray, above: float) -> np.ndarray:
-        """How far the solid reaches along the direction, beside it and above; -inf where it is not."""
-        from_middle = np.column_stack([aside[:, None] * across, np.full(len(aside), above)]) - error
-        rate, room = normals[:, :2] @ direction, ends - from_middle @ normals.T
-        most = np.where(rate > 1e-9, room / np.where(rate > 1e-9, rate, 1.0), np.inf).min(axis=1)
-        least = np.where(rate < -1e-9, room / np.where(rate < -1e-9, rate, -1.0), -np.inf).max(axis=1)
-        beside = (np.abs(rate) <= 1e-9) & (room < 0)
-        return np.where((most < least) | beside.any(axis=1), -np.inf, most)
+        """Reach of the solid at points beside the finger, shape (errors, n) [m]; -inf where it is not."""
+        points = np.concatenate([aside[..., None] * across, np.full((*aside.shape, 1), above)], axis=-1)
+        room = ends - (points - errors[:, None]) @ normals.T
+        most = (room[..., ahead] / rate[ahead]).min(axis=-1)
+        least = (room[..., behind] / rate[behind]).max(axis=-1)
+        beside = (room[..., ~(ahead | behind)] < 0).any(axis=-1)
+        return np.where((most < least) | beside, -np.inf, most)
 
-    aside = np.linspace(-WIDTH / 2, WIDTH / 2, 21)
-    reach = out(aside, height)
-    if not np.isfinite(reach.max()):
-        return np.pi / 2  # it passes by
-    first = int(np.argmax(reach))
-    up, down = (float(out(aside[[first]], height + sign * tiny)[0]) for sign in (1, -1))
-    slopes = [(up - down) / (2 * tiny)]
-    if first in (0, len(aside) - 1):  # a corner of the plate touches, not its edge
-        near = out(aside[[first]] * (1 - 2 * tiny / WIDTH), height)[0]
-        slopes.append(float(near - reach[first]) / tiny)
-    return float(np.arctan(np.linalg.norm(slopes)))
+    edge = np.broadcast_to(np.linspace(-WIDTH / 2, WIDTH / 2, 21), (len(errors), 21))
+    reach = out(edge, height)
+    first = reach.argmax(axis=1)[:, None]
+    aside, farthest = (np.take_along_axis(one, first, axis=1) for one in (edge, reach))
+    near = out(aside * (1 - 2 * tiny / WIDTH), height)
+    at_corner = (first == 0) | (first == edge.shape[1] - 1)  # of the plate, which touches instead of its edge
+    with np.errstate(invalid="ignore"):  # differences of -inf
+        rises = (out(aside, height + tiny) - out(aside, height - tiny)) / (2 * tiny)
+        falls = np.where(at_corner, -np.sign(aside) * (near - farthest) / tiny, 0.0)
+    inward = np.concatenate([-rises, falls * across - direction], axis=1)
+    misses = ~np.isfinite(inward).all(axis=1)
+    inward[misses] = DOWNWARDS  # it passes by, or touches at the solid's upper or lower end
+    return inward / np.linalg.norm(inward, axis=1)[:, None]
 
 
 def random_solid(random: np.random.Generator, shape: str) -> Solid:
@@ -183,7 +229,7 @@ def _circle(radius: float, height: float) -> np.ndarray:
 
 
 def _centre(corners: np.ndarray) -> np.ndarray:
-    """Of the volume of a convex body [m]."""
+    """Centre of the volume of a convex body [m]."""
     hull = ConvexHull(corners)
     inner = corners.mean(axis=0)
     tetrahedra = corners[hull.simplices] - inner

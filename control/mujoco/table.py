@@ -18,7 +18,7 @@ AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 MOUNT = {"slide": (2.0, 2e4, 400.0), "hinge": (0.005, 50.0, 1.0)}
 SCENE = """
 <mujoco>
-  <option timestep="{step}" cone="elliptic" impratio="100"/>
+  <option timestep="{step}"/>
   <visual>
     <headlight ambient="0.4 0.4 0.4" diffuse="0.5 0.5 0.5" specular="0.1 0.1 0.1"/>
     <global offwidth="1280" offheight="960"/><map znear="0.02"/><rgba haze="0.93 0.95 0.97 1"/>

@@ -124,7 +124,11 @@ class Link:
         self.counts.missing += not came
         self.counts.late += came and number < self._number
         self.stopped |= self._in_a_row >= self._patience
-        status = "stopped" if self.stopped else "held" if not came else "late" if number < self._number else "fresh"
+        status = "fresh" if came else "held"
+        if came and number < self._number:
+            status = "late"
+        if self.stopped:
+            status = "stopped"
         return Sample(self._newest, status, self._number - number)
 
     def _send(self, mode: int, values: np.ndarray) -> None:

@@ -29,7 +29,7 @@ class Losses:
 
 
 class SimulatedMotors:
-    """Motors that pull a simulated finger before an object, and measure without noise unless it is given.
+    """Motors that pull a simulated finger before an object, and measure without noise by default.
 
     In position mode they pull every tendon in by its shortening; a tendon that would have to push is slack. When they
     are stopped, or no command has come for `patience` calls of `serve`, they hold the shortenings that they have.

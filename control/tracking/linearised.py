@@ -20,6 +20,8 @@ from rom.rod.touched_rod import TouchedRod
 ORDER = 12  # largest number of states: two oscillations, the filter and relaxation, in two directions
 RANK = 1e-9  # of singular values over the largest, below which there are no states [-]
 RESPONSES = 256  # samples of the response
+SAMPLES = 32  # smallest number of them in a cycle of the lowest mode
+FEWEST = 32  # samples of a response at the controller's period, if that is longer
 STEP = 1e-3  # of the tip, over the length of the finger [-]
 CUT, HIGHEST = 1.5, 0.8  # of the filter, over the lowest natural frequency, and at most over half the sampling rate [-]
 SUBSTEP = 1e-3  # longest time step of the finger [s]
@@ -49,14 +51,15 @@ class Linearised(NamedTuple):
 
 
 def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, period: float) -> Linearised:
-    """Linearise the free finger about its equilibrium at tensions [N], shape (t,), or as near as its training allows.
+    """Linearise the free finger about its equilibrium at tensions [N], shape (t,), moved inside their limits.
+
+    The response is sampled at the controller's period, or in parts of it that resolve a cycle of the lowest mode.
 
     Raises:
         ModelError: no equilibrium at these tensions, see `rom.MovingFinger`, no motion about it, or too short a period.
     """
     away, t = np.full(len(model.objects), np.inf), len(tensions)
     rows = model.jacobian(np.append(tensions, away))[1:3, :t]
-    substeps = int(np.ceil(period / SUBSTEP - 1e-9))
     size = STEP * float(model.rod.rest[0])
     changes = size * np.linalg.pinv(rows, rcond=PLANAR).T
     lower, upper = (end[:t] for end in model.limits)
@@ -65,12 +68,15 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
     rest = np.append(tensions, away)
     frequency = float(MovingFinger(model, rest, density).frequencies(tensions, 1)[0])
     _require_long(period, frequency)
+    parts = max(int(np.ceil(period * frequency * SAMPLES - 1e-9)), 1)
+    sampling = period / parts
+    substeps = int(np.ceil(sampling / SUBSTEP - 1e-9))
     pulses = []
     for change in changes:
         finger = MovingFinger(model, rest, density)
         steps = np.array(
             [
-                _tip(finger, tensions + min(k / substeps, 1.0) * change, away, period / substeps)
+                _tip(finger, tensions + min(k / substeps, 1.0) * change, away, sampling / substeps)
                 for k in range(1, 1 + substeps * RESPONSES)
             ]
         )[substeps - 1 :: substeps]
@@ -81,7 +87,7 @@ def linearised(model: TouchedRod, tensions: np.ndarray, density: float | None, p
             )
         begun = np.asarray(model.evaluate(rest).tip)[1:]
         pulses.append(np.diff(steps - begun, axis=0, prepend=0.0) / size)
-    return realised(np.stack(pulses, axis=-1), period, frequency)
+    return realised(np.stack(pulses, axis=-1), period, frequency, parts)
 
 
 def _require_long(period: float, frequency: float) -> None:
@@ -94,19 +100,40 @@ def _require_long(period: float, frequency: float) -> None:
         )
 
 
-def realised(pulses: np.ndarray, period: float, frequency: float) -> Linearised:
-    """Compute the system from a pulse response, shape (samples, 2, 2), its period [s] and lowest frequency [Hz]."""
+def realised(pulses: np.ndarray, period: float, frequency: float, parts: int = 1) -> Linearised:
+    """Compute the system at a period [s] from a pulse response sampled in parts of it.
+
+    Args:
+        pulses: shape (samples, 2, 2) [-].
+        period: of the controller [s].
+        frequency: the finger's lowest [Hz].
+        parts: samples in a period.
+    """
     a, b, c, d = _states(pulses)
+    sampling = period / parts
     angles = np.abs(np.angle(np.linalg.eigvals(a)))
-    lowest = float(angles[angles > ALIAS * 2 * np.pi * frequency * period].min(initial=np.pi))
+    lowest = float(angles[angles > ALIAS * 2 * np.pi * frequency * sampling].min(initial=np.pi))
     turn = LOW * lowest
     slow, still = (
         np.linalg.pinv(c @ np.linalg.solve(np.exp(1j * one) * np.eye(len(a)) - a, b) + d, rcond=PLANAR)
         for one in (turn, 0.0)
     )
-    damping, inertia = slow.imag * period / turn, (still - slow).real * (period / turn) ** 2
-    low_pass = np.array(butter(2, min(CUT * lowest / np.pi, HIGHEST)))
+    damping, inertia = slow.imag * sampling / turn, (still - slow).real * (sampling / turn) ** 2
+    low_pass = np.array(butter(2, min(CUT * lowest * parts / np.pi, HIGHEST)))
+    if parts > 1:
+        pulses = _resampled((a, b, c, d), parts, max(len(pulses) // parts, FEWEST))
     return Linearised(*_states(lfilter(*low_pass, pulses, axis=0)), low_pass, damping, inertia)
+
+
+def _resampled(system: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], parts: int, count: int) -> np.ndarray:
+    """Responses to an input that rises in one period of several parts and falls in the next, shape (count, 2, 2)."""
+    a, b, c, d = system
+    steps = np.arange(1, parts * count + 1)
+    state, found = np.zeros(b.shape), np.empty((len(steps), 2, 2))
+    for k, share in enumerate(np.maximum(1 - np.abs(steps - parts) / parts, 0.0)):
+        found[k] = c @ state + share * d
+        state = a @ state + share * b
+    return found[parts - 1 :: parts]
 
 
 def _states(pulses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_discrete_are
 
 from control.tracking.linearised import Linearised
+from control.tracking.regulator import regulator
 from rom.brief import brief
 
 SHARE = 0.1  # relative standard deviation of stiffness and inertia before any reading [-]
@@ -58,7 +58,4 @@ def feedback(system: Linearised, shares: np.ndarray, noise: float, drift: float,
         ahead[:n, n:] = b @ effect
         spread = ahead @ (spread - observer[k] @ reading @ spread) @ ahead.T + walk
         spread = (spread + spread.T) / 2
-    weight, cross = d.T @ d + effort * np.eye(2), c.T @ d
-    cost = solve_discrete_are(a, b, c.T @ c, weight, s=cross)
-    gain = np.linalg.solve(weight + b.T @ cost @ b, b.T @ cost @ a + cross.T)
-    return Feedback(effects, observer, gain)
+    return Feedback(effects, observer, regulator(system, effort)[0])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from control.arguments import number, numbers, positive
+
 MOST_OF_A_LAP = 0.25  # from row to row [-]
 
 
@@ -18,14 +20,18 @@ def circle(centre: ArrayLike, radius: float, rate: float, period: float, laps: f
         period: time between rows [s].
         laps: number of laps.
     """
-    phase = _phase(centre, radius, rate, period, laps)
-    return np.asarray(centre, float) + radius * np.column_stack([-np.cos(phase), np.sin(phase)])
+    phase = _phase(rate, period, laps)
+    return numbers("centre", centre, (2,), "m") + number("radius", radius, 0.0, "m") * np.column_stack(
+        [-np.cos(phase), np.sin(phase)]
+    )
 
 
 def eight(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
     """Return a figure of eight, 2 radii wide along z and one radius along y, with the arguments of `circle`."""
-    phase = _phase(centre, radius, rate, period, laps)
-    return np.asarray(centre, float) + radius * np.column_stack([np.sin(2 * phase) / 2, np.sin(phase)])
+    phase = _phase(rate, period, laps)
+    return numbers("centre", centre, (2,), "m") + number("radius", radius, 0.0, "m") * np.column_stack(
+        [np.sin(2 * phase) / 2, np.sin(phase)]
+    )
 
 
 def checked_path(path: ArrayLike) -> np.ndarray:
@@ -34,29 +40,25 @@ def checked_path(path: ArrayLike) -> np.ndarray:
     Raises:
         ValueError: it has another shape, fewer than three rows, or numbers that are not finite.
     """
-    rows = np.array(path, float)
-    if rows.ndim != 2 or rows.shape[1] != 2 or len(rows) < 3 or not np.isfinite(rows).all():
-        raise ValueError(f"path must be at least three finite rows of y and z, got shape {rows.shape}")
+    rows = numbers("path", path, (None, 2), "m")
+    if len(rows) < 3:
+        raise ValueError(f"path must have at least three rows of y and z, got {len(rows)}")
     return rows
 
 
-def across(tip: ArrayLike) -> np.ndarray:
-    """Return y and z, shape (2,), of a reading of the tip, shape (3,) [m]."""
-    found = np.asarray(tip, float)
-    if found.shape != (3,):
-        raise ValueError(f"tip must be x, y and z, got shape {found.shape}")
-    return found[1:]
+def across(tip: ArrayLike | None) -> np.ndarray:
+    """Return y and z, shape (2,), of a reading of the tip, shape (3,) [m]; nan without one."""
+    if tip is None:
+        return np.full(2, np.nan)
+    reading = np.asarray(tip)
+    if reading.shape != (3,) or reading.dtype.kind not in "fiu":
+        raise ValueError(f"tip must be numbers x, y and z [m], got {tip!r}")
+    return np.asarray(reading[1:], float)
 
 
-def _phase(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
+def _phase(rate: float, period: float, laps: float) -> np.ndarray:
     """Phase of every row [rad]; its rate rises as 3 s^2 - 2 s^3 for s from 0 to 1."""
-    if np.shape(centre) != (2,) or not np.isfinite(centre).all():
-        raise ValueError(f"centre must be finite y and z, got {centre!r}")
-    if not 0 <= radius < np.inf:
-        raise ValueError(f"radius must be finite and at least 0 m, got {radius}")
-    for name, value in (("rate", rate), ("period", period), ("laps", laps)):
-        if not 0 < value < np.inf:
-            raise ValueError(f"{name} must be finite and above 0, got {value}")
+    positive("rate", rate, "Hz"), positive("period", period, "s"), positive("laps", laps)
     if not rate * period <= MOST_OF_A_LAP:
         raise ValueError(f"rate times period must be at most {MOST_OF_A_LAP:g} laps a row, got {rate * period:g}")
     turns = rate * period * np.arange(1 + round((laps + 0.5) / (rate * period)))

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from control.arguments import numbers
 from control.motion import Limits
+from control.tracking.inverse import resting
 from control.tracking.linearised import PLANAR
 from control.tracking.options import TrackingOptions
 from control.tracking.paths import across, checked_path
-from control.tracking.plan import resting
 from rom.rod.touched_segment import TouchedSegment
 
 SMOOTHING = 5e-3  # time constant of the derivative [s]
@@ -40,11 +41,8 @@ class PidController:
         limits: Limits | None = None,
         pulled: np.ndarray | None = None,
     ):
-        self.path, self.gains, self.period, t = checked_path(path), gains, options.period, len(model.rod.names)
-        if not np.isfinite(gains).all():
-            raise ValueError(f"gains must be finite, got {gains}")
-        if pulled is not None and (np.shape(pulled) != (len(self.path), t) or not np.isfinite(pulled).all()):
-            raise ValueError(f"pulled must be {t} finite tensions a row of the path, got shape {np.shape(pulled)}")
+        self.path, self.period, t = checked_path(path), options.period, len(model.rod.names)
+        self.gains = numbers("gains", gains, (3,), "-, 1/s, s")
         self._change = (limits or Limits()).rate * options.period
         self._bounds = (limits or Limits()).within(*(end[:t] for end in model.limits))
         first, middle = (
@@ -52,17 +50,28 @@ class PidController:
         )
         rest = np.append(middle, np.full(len(model.objects), np.inf))
         self._pulls = np.linalg.pinv(model.jacobian(rest)[1:3, :t], rcond=PLANAR)
-        self.row, self.tensions = 1, first.copy()
-        self._pulled = np.broadcast_to(first, (len(self.path), t)) if pulled is None else np.array(pulled, float)
+        self.row, self.tensions, self.events = 1, first.copy(), list[tuple[int, str]]()
+        every = np.broadcast_to(first, (len(self.path), t)) if pulled is None else pulled
+        self._pulled = numbers("pulled", every, (len(self.path), t), "N")
         self._sum, self._rate, self._last = np.zeros(2), np.zeros(2), np.zeros(2)
 
     @property
     def done(self) -> bool:
-        """Whether the path has ended."""
+        """True if the path has ended."""
         return self.row + 1 >= len(self.path)
 
-    def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
-        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m]; nan without one."""
+    @property
+    def periods(self) -> int:
+        """Number of steps of the whole path."""
+        return len(self.path) - 1
+
+    @property
+    def status(self) -> str:
+        """`moving`, or `done` after the last row."""
+        return "done" if self.done else "moving"
+
+    def step(self, felt: float = np.nan, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
+        """Return the next tensions, shape (t,) [N], after a reading of the tip, shape (3,) [m], or None."""
         if self.done:
             return self.tensions.copy()
         self.row += 1

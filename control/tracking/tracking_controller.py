@@ -1,33 +1,42 @@
-"""Tracking of a path by planned tensions, and feedback from tip readings through the model's tangent.
+"""Tracking of a path by planned tensions, and feedback from readings of tip and force through the model's tangent.
 
 Feedback predicts the tip over the delay of its readings, as Smith's predictor does. Its states are two modes in both
 directions, a slowly changing disturbance, and errors of stiffness and inertia. The estimate uses the commanded tensions
-after clamping to the limits, which prevents windup.
+after clamping to the limits, which prevents windup. While the plan presses, the tip is fed back along the surface, and
+the contact force across it: the model's stiffness of contact turns an error of the force into a displacement.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from control.motion import Limits
 from control.outcomes import beyond
-from control.tracking.linearised import linearised
+from control.tracking.guides import motor_tensions
+from control.tracking.inverse import resting
+from control.tracking.linearised import Linearised, linearised
 from control.tracking.observer import feedback
 from control.tracking.options import TrackingOptions
 from control.tracking.paths import across, checked_path
-from control.tracking.plan import planned, resting
+from control.tracking.plan import Plan, planned, refused
+from control.tracking.refinement import refined
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.touched_segment import TouchedSegment
 
 FARTHEST = 2.0  # from the axis, over the finger's length, is no tip's reading usable [-]
+APPROACHES, SLOWER = 5, 1.5  # number of approaches that are tried, and ratio of their times [-]
+SOFT = 1.0  # smallest stiffness of contact that feedback of the force uses [N/m]
 PATIENCE = 20  # periods without a usable reading before the sensor counts as failed
 
 
 class TrackingController:
-    """Leads the tip plate's centre along a path in time; `step` takes a reading and returns the next tensions.
+    """Leads the tip plate's centre along a path in time; `step` takes readings and returns the next tensions.
 
-    A path behind an object's surface is that of the free tip: the object stops the tip, which then presses.
+    A path behind an object's surface is led along the surface, with a contact force of at most `most_force`. It rises
+    with the path's depth: without `most_force`, to that of the free tip on the path. `control.run` runs it on a plant.
 
     Attributes:
         tensions: current command, reached at row `row` of the path, shape (t,) [N].
@@ -37,6 +46,7 @@ class TrackingController:
             it stays so after the last row.
         reason: of a refused path, in one line.
         plan: of the path, see `control.tracking.plan`.
+        events: "blind" and "sees again", by row.
 
     Args:
         model: of the finger before one object.
@@ -51,7 +61,7 @@ class TrackingController:
 
     Example:
         >>> controller = TrackingController(rom.load("round"), circle([0, 0], 0.01, 2.0, 1e-3, 3))  # doctest: +SKIP
-        >>> controller.step(tip, felt, age)  # doctest: +SKIP
+        >>> report = control.run([controller], [plant], controller.periods)  # doctest: +SKIP
     """
 
     def __init__(
@@ -73,16 +83,35 @@ class TrackingController:
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
         system = linearised(model, middle, own.density, own.period)
-        self.plan = planned(model, rows, system, own, self.limits)
+        self.plan = self._planned(rows, system)
         self._system, self._filter = system, [tuple(row) for row in system.filter.tolist()]
         self._past = np.zeros(2), np.zeros(2)
         self._feedback = feedback(system, self.plan.shares, own.noise, own.drift * np.sqrt(own.period), own.effort)
         normal = model.direction[1:]
-        self._along = np.eye(2) - np.outer(normal, normal) / max(float(normal @ normal), 1e-12)
+        self._normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
+        self._along = np.eye(2) - np.outer(self._normal, self._normal)
         self.reason, self.status = self.plan.reason, "unreachable" if self.plan.reason else "moving"
         self.row, self.tensions = 1, self.plan.tensions[0 if self.reason else 1].copy()
         self._inputs, self._at, self._blind = np.zeros((len(rows), 2)), 1, 0
         self._state, self._unknown, self._ended = np.zeros(len(system.a)), np.zeros(4), False
+        self._pressing, self.events = 0.0, list[tuple[int, str]]()
+
+    def _planned(self, path: np.ndarray, system: Linearised) -> Plan:
+        """The plan with the fastest approach whose simulated contact forces are allowed, or the reason of the last."""
+        options = self.options
+        for _ in range(APPROACHES):
+            plan = planned(self.model, path, system, options, self.limits)
+            if not plan.reason:
+                plan = refined(plan, self.model, system, options, self._bounds)
+            if not plan.contact_forces.max() > options.most_force:
+                break
+            options = replace(options, approach=SLOWER * options.approach)
+        if options.friction > 0 and not plan.reason:
+            plan = plan._replace(tensions=motor_tensions(self.model, plan.tensions, options.friction, self._bounds))
+        change = self.limits.rate * options.period
+        inside = np.ones(len(path), bool)
+        reason = plan.reason or refused(plan.tensions, plan.contact_forces, inside, change, options.most_force)
+        return plan._replace(reason=reason)
 
     @property
     def inertia(self) -> np.ndarray:
@@ -96,52 +125,77 @@ class TrackingController:
 
     @property
     def done(self) -> bool:
-        """Whether the path has ended or is refused."""
+        """True if the path has ended or is refused."""
         return self._ended or self.status == "unreachable"
 
-    def step(self, tip: ArrayLike, felt: float = 0.0, age: float = 0.0) -> np.ndarray:
+    @property
+    def periods(self) -> int:
+        """Number of steps of the whole path."""
+        return len(self._inputs) - 1
+
+    def step(self, felt: float = np.nan, age: float = 0.0, tip: ArrayLike | None = None) -> np.ndarray:
         """Return the next tensions, shape (t,) [N].
 
         Args:
-            tip: reading of the tip plate's centre in the clamp's frame, shape (3,) [m]; nan without one.
-            felt: contact force at the same time [N].
+            felt: contact force [N]; nan without a reading.
             age: of the readings [s].
+            tip: reading of the tip plate's centre in the clamp's frame, shape (3,) [m]; None or nan without one.
         """
         if self.done:
             return self.tensions.copy()
-        self._observe(across(tip), felt, age)
+        row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
+        self._press(row, felt)
+        self._observe(row, across(tip), felt)
         if self.row + 1 == len(self._inputs):
             self._ended, self.status = True, "done" if self.status == "moving" else self.status
             return self.tensions.copy()
         state = self._predicted()
         self.row += 1
-        wanted = -self._feedback.gain @ state - self._feedback.effects[self.row] @ self._unknown
+        seen = self._seen(self.row, felt)
+        wanted = -seen @ (self._feedback.gain @ state) - self._feedback.effects[self.row] @ self._unknown
         size = float(np.hypot(*wanted))
         if size > self.options.correction:
             wanted *= self.options.correction / size
-        planned_tensions = self.plan.tensions[self.row]
+        planned_tensions, pressing = self.plan.tensions[self.row], self._pressing * self._normal
         change = self.limits.rate * self.options.period
         low, high = (
             np.maximum(self._bounds[0], self.tensions - change),
             np.minimum(self._bounds[1], self.tensions + change),
         )
-        self.tensions = np.clip(planned_tensions + self.plan.gains[self.row] @ wanted, low, high)
-        self._inputs[self.row] = self.plan.motions[self.row] @ (self.tensions - planned_tensions)
+        self.tensions = np.clip(planned_tensions + self.plan.gains[self.row] @ (wanted + pressing), low, high)
+        self._inputs[self.row] = self.plan.motions[self.row] @ (self.tensions - planned_tensions) - pressing
         return self.tensions.copy()
 
-    def _observe(self, tip: np.ndarray, felt: float, age: float) -> None:
+    def _seen(self, row: int, felt: float) -> np.ndarray:
+        """Projection on the directions in which the tip moves freely, shape (2, 2) [-]."""
+        return self._along if self.plan.contact_forces[row] > 0 or felt > self.options.feel else np.eye(2)
+
+    def _press(self, row: int, felt: float) -> None:
+        """Integrate the error of the contact force, where the plan presses, as a displacement of the free tip [m]."""
+        share = self.options.period / (self.options.period + self.options.settling)
+        if not self.plan.contact_forces[self.row] > 0:
+            self._pressing -= share * self._pressing
+        elif 0 <= row <= self.row and np.isfinite(felt) and self.plan.contact_forces[row] > 0:
+            stiffness = max(float(self.plan.stiffness[row] @ self._normal), SOFT)
+            most = self.options.correction
+            wanted = self._pressing + share * (self.plan.contact_forces[row] - felt) / stiffness
+            self._pressing = min(max(wanted, -most), most)
+
+    def _observe(self, row: int, tip: np.ndarray, felt: float) -> None:
         """Correct the estimate by a reading of an earlier row."""
-        row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
         usable = bool(self._at <= row <= self.row and np.abs(tip).max() < FARTHEST * self.model.rod.rest[0])
+        if usable and self._blind >= PATIENCE:
+            self.events.append((self.row, "sees again"))
         self._blind = 0 if usable else self._blind + 1
+        if self._blind == PATIENCE:
+            self.events.append((self.row, "blind"))
         self.status = "moving" if self._blind < PATIENCE else "sensor_failed"
         for k in range(self._at, row if usable else self.row - PATIENCE):
             self._state, self._at = self._ahead(self._state, k), k + 1
         if not usable:
             return
-        touches = self.plan.contact_forces[row] > 0 or not felt <= self.options.feel
-        seen = self._along if touches else np.eye(2)
-        error = self._filtered(seen @ (tip - self.plan.tips[row]))
+        seen = self._seen(row, felt)
+        error = self._filtered(seen @ (tip - self.plan.goals[row]))
         error -= self._system.c @ self._state + self._system.d @ self._acting(row)
         change = self._feedback.observer[row] @ (seen @ error)
         self._state, self._unknown = self._state + change[:-4], self._unknown + change[-4:]

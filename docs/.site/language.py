@@ -1,4 +1,4 @@
-"""Finds words that this project does not use, and sentences of pages that are too long.
+"""Finds words that this project does not use, too long sentences of pages, and docstrings without a noun or verb first.
 
 python docs/.site/language.py          prints one line for each in code and in pages that are written by hand; exits with 1 if any
 python docs/.site/language.py --all    the same of all pages
@@ -6,6 +6,7 @@ python docs/.site/language.py --all    the same of all pages
 
 from __future__ import annotations
 
+import ast
 import re
 import sys
 from collections.abc import Iterator
@@ -13,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 MOST_WORDS = 25  # of a sentence in a page
-# What is not written, and what is instead; parts of identifiers count as words.
+# Avoided words, and their substitutes; parts of identifiers count as words.
 WORDS = {
     "tells?|told|telling": "reports, returns, estimates",
     "knows?|knew": "has, within the trained domain",
@@ -25,6 +26,8 @@ WORDS = {
     "stations?": "cross-sections",
 }
 AVOIDED = {re.compile(rf"(?<![a-z])({words})(?![a-z])", re.IGNORECASE): better for words, better in WORDS.items()}
+# First words of a docstring's sentence that is no question.
+OPENING = re.compile(r"(?:\A|[.:;?!]\s|\n\s*\n)\W*(Of|What|Where|Whether|How)\b(?!(?:[^.!?]|[.!](?!\s))*\?)")
 BY_HAND = (
     "README.md",
     "docs/index.md",
@@ -72,11 +75,25 @@ def too_long(page: str) -> Iterator[tuple[int, str]]:
         line += part.count("\n")
 
 
+def openings(code: str) -> Iterator[tuple[int, str]]:
+    """Sentences in docstrings of Python that begin with a word of OPENING: their lines and complaints."""
+    for node in ast.walk(ast.parse(code)):
+        if not isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            continue
+        text = ast.get_docstring(node, clean=False) or ""
+        for found in OPENING.finditer(text):
+            line = node.body[0].lineno + text.count("\n", 0, found.start(1))
+            yield line, f"begin with a noun or a verb in place of {found[1]!r}"
+
+
+READERS = {".md": too_long, ".py": openings}  # of a kind of file, besides `avoided`
+
+
 def complaints(names: tuple[str, ...] = BY_HAND) -> Iterator[str]:
     """One line for every word and sentence."""
     for file in files(names):
-        text = file.read_text()
-        faults = [*avoided(text), *(too_long(text) if file.suffix == ".md" else ())]
+        text, own = file.read_text(), READERS.get(file.suffix)
+        faults = [*avoided(text), *(own(text) if own else ())]
         yield from (f"{file.relative_to(ROOT)}:{line}: {complaint}" for line, complaint in faults)
 
 

@@ -15,8 +15,8 @@ A page shows what a block prints by including it in the next one:
     ```
 
 "rom-info.txt:1:3" shows its first three lines. Commands without such an inclusion are not run; of a page with one after
-a Python block, all Python blocks are, one after another. A block with a title is a file. What pages keep in mine/ and
-out/ is kept in out/samples/.
+a Python block, all Python blocks are, one after another. A block with a title is a file. Files that pages write to
+mine/ and out/ are kept in out/samples/.
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ def moved(text: str) -> str:
 
 
 def shown(text: str) -> str:
-    """What was printed, with the page's folders and nothing of this machine's."""
+    """Printed text with the page's folders in place of this machine's."""
     text = re.sub(r"out/samples/(mine|out)/", r"\1/", text).replace(str(ROOT), "~/fingerfem")
     return "\n".join(line.rstrip() for line in text.replace("\r", "").strip("\n").splitlines()) + "\n"
 
 
 def run(line: str) -> str:
-    """What a command prints, and its exit code if that is not 0."""
+    """Output of a command, and its exit code if that is not 0."""
     full_order = line.startswith("python3 -m fingerfem ") and not line.endswith(" --help")
     words = f"docker/run {line}" if full_order else line
     done = subprocess.run(
@@ -73,7 +73,7 @@ def run(line: str) -> str:
 
 
 def python(blocks: list[str]) -> list[str]:
-    """What blocks of code print, run one after another."""
+    """Outputs of blocks of code, run one after another."""
     file = WORK / "blocks.json"
     file.write_text(json.dumps([moved(block) for block in blocks]))
     subprocess.run([ROOT / ".venv" / "bin" / "python", "-c", PYTHON, file], cwd=ROOT, env=SETTINGS, check=True)
@@ -85,7 +85,7 @@ def write(page: Path) -> None:
     blocks = BLOCK.findall(page.read_text())
     for folder in ("mine", "out"):
         if folder == "out" or any(file.startswith("mine/") for _, file, _, _ in blocks):
-            shutil.rmtree(WORK / folder, ignore_errors=True)  # what is whole would not be solved again
+            shutil.rmtree(WORK / folder, ignore_errors=True)  # a whole one would not be solved again
         (WORK / folder).mkdir(parents=True, exist_ok=True)
     codes = [code for kind, _, code, _ in blocks if kind == "python"]
     printed = None

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 
 class Assembly:
-    """What assembles forms of one space of displacements (all methods are collective).
+    """Assembly of forms of one space of displacements (all methods are collective).
 
     Args:
         space: of the displacement.

@@ -20,7 +20,7 @@ def solid_cells(scene: Scene, section: PlaneMesh, lines: np.ndarray) -> np.ndarr
 
 
 def walls(scene: Scene, section: PlaneMesh, lines: np.ndarray, facets: np.ndarray) -> list[np.ndarray]:
-    """Which facets, with midpoints of shape (n, 3) [m] before sections are scaled, are of every chamber's wall."""
+    """Facets of every chamber's wall, among those with midpoints of shape (n, 3) [m] before sections are scaled."""
     if not scene.chambers:
         return []
     tree, found = cKDTree(facets) if len(facets) else None, []

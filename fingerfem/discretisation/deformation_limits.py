@@ -1,4 +1,4 @@
-"""Whether a deformation is one that cells and laws allow, and the volume ratio that the laws see."""
+"""Limits of cells and laws on a deformation, and the volume ratio that enters the laws."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class _Material(NamedTuple):
 class DeformationLimits:
     """Volume ratios and stretches of a finger's cells (all methods are collective).
 
-    What is not a number on one rank exceeds every limit, on all of them.
+    A value that is not a number on one rank exceeds every limit, on all of them.
 
     Args:
         scene: with the laws of its materials.
@@ -78,7 +78,7 @@ class DeformationLimits:
     def extreme_stretches(self) -> dict[str, tuple[float, float]]:
         """Least and largest principal stretch at the points of integration, by material [-].
 
-        Of materials whose law has limits or names the stretches of its data.
+        Only materials with limits or stretches of data in their law are listed.
         """
         return {one.name: self._extremes(one.strain, one.cells) for one in self._materials if one.strain is not None}
 
@@ -108,7 +108,7 @@ class DeformationLimits:
         return None
 
     def beyond_data(self) -> dict[str, tuple[tuple[float, float], bool]]:
-        """By material whose law names the stretches of its data: the extreme ones, and whether these exceed them."""
+        """Extreme stretches by material whose law names those of its data, and whether they exceed these."""
         found = {}
         for name, law, cells, strain in self._materials:
             if law.stretches is not None and strain is not None:

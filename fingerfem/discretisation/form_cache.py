@@ -40,7 +40,7 @@ COMPILER_FLAGS = ["-O1", "-g0"]  # -O2 compiles for two to three times as long, 
 
 
 def cache_folder() -> Path:
-    """Where compiled forms are kept; nobody else's are."""
+    """Folder of compiled forms, which nothing else uses."""
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fingerfem" / "forms"
 
 
@@ -77,8 +77,8 @@ def forms(tree: Any) -> Any:
 def _leaves(tree: Any) -> list[ufl.Form]:
     if isinstance(tree, ufl.Form):
         return [tree]
-    parts = tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else []
-    return [leaf for part in parts for leaf in _leaves(part)]
+    parts = list(tree.values()) if isinstance(tree, dict) else tree
+    return [leaf for part in parts for leaf in _leaves(part)] if isinstance(parts, list) else []
 
 
 def _compiled_tree(tree: Any) -> Any:
@@ -178,13 +178,13 @@ def _compile(source: Any, folder: Path) -> None:
 
 
 def _line(error: Exception) -> str:
-    """What an error says, in one line."""
+    """Message of an error as one line."""
     return " ".join(str(error).split()) or type(error).__name__
 
 
 @contextmanager
 def _turn(folder: Path, waits: bool) -> Iterator[bool]:
-    """Where one process at a time compiles what a folder is to hold; the kernel frees a killed one's lock.
+    """Lock under which one process at a time compiles a folder's form; the kernel frees a killed one's lock.
 
     It is entered without the lock when the folder is whole, when PATIENCE is at an end, or where there are no locks;
     and with False, for nothing to do, when another process has the lock and one does not wait.
@@ -204,7 +204,7 @@ def _turn(folder: Path, waits: bool) -> Iterator[bool]:
 
 
 def _locked(locks: BinaryIO, folder: Path) -> bool:
-    """Whether the lock on a form's byte of the file of locks was to be had, or there are no locks at all."""
+    """True if the lock on a form's byte of the file of locks was free, or there are no locks at all."""
     try:
         fcntl.lockf(locks, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, int(folder.name[:15], 16))
     except (BlockingIOError, PermissionError):

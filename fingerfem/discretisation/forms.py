@@ -34,7 +34,7 @@ from fingerfem.scene.scene import Scene
 
 @dataclass(frozen=True, kw_only=True)
 class Fields:
-    """What the forms depend on: the unknown and the loads."""
+    """Fields and constants in the forms: the unknown and the loads."""
 
     u: fem.Function  # displacement [m]
     previous: fem.Function  # the last iterate u0, from which the tangent's stress is extrapolated ... [m]
@@ -52,12 +52,12 @@ class Fields:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactForms:
-    """What an obstacle adds; none of it is compiled without one."""
+    """Forms of contact; none is compiled without an obstacle."""
 
     energy: fem.Form  # [J]
     force: fem.Form  # N = -dP/dd, of a plane the integral of the pressure p [N]
     force_gradient: fem.Form  # dN/du [N/m]
-    nodal_force: fem.Form  # what the nodes press on the obstacle with [N]
+    nodal_force: fem.Form  # forces of the nodes on the obstacle [N]
     stiffness: fem.Form  # -dN/dd at fixed u [N/m]
     gap_work: fem.Form  # integral of p |g|, which the exact solution does not have [J]
     pad_force: fem.Form | None  # the part of N that rests on the pad [N]
@@ -81,7 +81,7 @@ class Forms:
 
 
 def quadrature_degree(order: int) -> int:
-    """Of the Gauss rule in the volume: higher ones change nothing that counts."""
+    """Degree of the Gauss rule in the volume: a higher one changes no result noticeably."""
     return 2 * order
 
 
@@ -210,7 +210,7 @@ def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, di
 
 
 def _contact_residual_and_tangent(scene: Scene, bodies: list[Body], ds: ufl.Measure, fields: Fields) -> tuple[Any, Any]:
-    """Of the contact energy; the penalty's by hand, which compiles in a fifth of the time.
+    """Residual and tangent of the contact energy; the penalty's by hand, which compiles in a fifth of the time.
 
     Bodies share integrals: DOLFINx 0.9 takes one of a region.
     """
@@ -232,7 +232,7 @@ def _contact_residual_and_tangent(scene: Scene, bodies: list[Body], ds: ufl.Meas
 
 
 def _contact(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields) -> dict[str, Any]:
-    """What is compiled of contact besides residual and tangent, see ContactForms, in UFL."""
+    """Forms of contact besides residual and tangent, see ContactForms, in UFL."""
     u, v = fields.u, ufl.TestFunction(fields.u.function_space)
     distance = ufl.variable(fields.distance)
     groups = contact_groups(scene, body, ds, fields, distance)

@@ -61,7 +61,7 @@ class GuideLayers:
                 density[layer] += tension / area
 
     def lengths(self) -> list[np.ndarray]:
-        """Of the layers' channels, of every tendon shape (n,) [m]."""
+        """Lengths of the channels in all layers, of every tendon, shape (n,) [m]."""
         by_cell = fem.assemble_vector(self._lengths).array
         return [
             self._problem.copies * np.array([by_cell[layer].sum() for layer in cells]) / area
@@ -80,7 +80,7 @@ class GuideLayers:
         return found
 
     def gradients(self) -> list[PETSc.Vec]:
-        """Of the lengths of all layers, tendon by tendon, by the displacement [-]; the caller destroys them."""
+        """Gradients of all layers' lengths by the displacement, tendon by tendon [-]; the caller destroys them."""
         problem = self._problem
         density, found = problem.fields.probe_density.x.array, []
         for cells, area in zip(self.cells, self._areas, strict=True):

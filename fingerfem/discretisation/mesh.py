@@ -30,7 +30,7 @@ class FingerMesh:
     lines: np.ndarray  # along x, between the cells [m]
     section: PlaneMesh  # at the clamp
     smallest: float  # smallest cell edge across the section [m]
-    has_boxes: bool  # whether all cells are boxes along the axes
+    has_boxes: bool  # true if all cells are boxes along the axes
     walls: list[np.ndarray]  # of every chamber, its exterior facets on this rank
 
     def pulled(self, scene: Scene, k: int) -> tuple[np.ndarray, float]:
@@ -48,7 +48,7 @@ class FingerMesh:
 def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
     """The finger's mesh on the ranks of a communicator (collective)."""
     lines = lines_along(scene.outline, scene.mesh)
-    section = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    section = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half, scene.mesh.order)
     solid = chambers.solid_cells(scene, section, lines)
     mesh = _swept(section, lines, solid, comm)
     dim = mesh.topology.dim
@@ -88,19 +88,22 @@ def _swept(section: PlaneMesh, lines: np.ndarray, solid: np.ndarray, comm: MPI.C
     slabs = len(lines) - 1
     own = np.array_split(solid, comm.size)[comm.rank]
     quad, slab = np.divmod(own, slabs)
-    corners = section.quads[quad] * len(lines) + slab[:, None]
-    cells = np.stack([corners, corners + 1], axis=2).reshape(-1, 8)  # x runs fastest
-    point, line = np.divmod(
-        np.array_split(np.arange(len(section.points) * len(lines)), comm.size)[comm.rank], len(lines)
-    )
-    points = np.column_stack([lines[line], section.points[point]])
-    element = basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,))
+    # Cells with straight sides have their corners; those with curved ones, the nodes of order 2.
+    order = 2 if section.curved else 1
+    across, quads = section.of_order_2() if section.curved else (section.points, section.quads)
+    planes = np.interp(np.arange(order * slabs + 1) / order, np.arange(len(lines)), lines)
+    element = basix.ufl.element("Lagrange", "hexahedron", order, shape=(3,))
+    x, s, t = np.rint(order * element.basix_element.points).astype(int).T
+    cells = quads[quad][:, s + (order + 1) * t] * len(planes) + order * slab[:, None] + x
+    mine = np.array_split(np.arange(len(across) * len(planes)), comm.size)[comm.rank]
+    point, plane = np.divmod(mine, len(planes))
+    points = np.column_stack([planes[plane], across[point]])
     # By keywords: DOLFINx 0.10 takes x and e the other way round. No cell is a ghost by default.
     return dolfinx.mesh.create_mesh(comm, cells=cells.astype(np.int64), x=points, e=ufl.Mesh(element))
 
 
 def _of_tendon(scene: Scene, k: int, x: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Which cells, with midpoints at x [m], are tendon k's: its channel before its plate, or its hole in it."""
+    """True for cells, with midpoints at x [m], of tendon k: its channel before its plate, or its hole in it."""
     begin, end = scene.outline.plates[scene.tendons[k].segment - 1]
     inside = x < begin if scene.tendons[k].path == "channel" else (x > begin) & (x < end)
     return np.asarray((columns == scene.outline.columns[k].tag) & inside)

@@ -31,7 +31,7 @@ class NodeOrder:
 
     @cached_property
     def _places(self) -> np.ndarray:
-        """Where this rank's nodes are in the order."""
+        """Positions of this rank's nodes in the order."""
         places = np.empty_like(self._order)
         places[self._order] = np.arange(len(self._order))
         return places[self._indices]

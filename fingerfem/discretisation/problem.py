@@ -84,7 +84,7 @@ class Problem(Assembly):
         return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
 
     def _stiff_facets(self) -> StiffFacets | None:
-        """Those of plates, if a body is round."""
+        """Facets of plates, if a body is round."""
         if self.scene.obstacle is None or obstacles.all_flat(self.bodies):
             return None
         facets = np.concatenate([self.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
@@ -206,7 +206,7 @@ class Problem(Assembly):
         return self._energy_at_unit_load(k)
 
     def chamber_volumes(self) -> np.ndarray:
-        """Of the chambers, shape (chambers,) [m^3]: of each minus the energy at unit pressure."""
+        """Volumes of the chambers, shape (chambers,) [m^3]: each is minus the energy at unit pressure."""
         return -np.array([self._energy_at_unit_load(k) for k in range(len(self.scene.tendons), len(self.tensions))])
 
     def _energy_at_unit_load(self, k: int) -> float:
@@ -214,7 +214,7 @@ class Problem(Assembly):
         return self.scalar(self.forms.actuator_energy)
 
     def unsymmetric(self) -> LowRank | None:
-        """What following loads and friction take from the tangent; None without any (collective)."""
+        """Matrix by follower loads and friction, which the tangent has subtracted; None without any (collective)."""
         parts = []
         if self.plates is not None and self.wrenches.any():
             parts.append(self.plates.following(self.plates.poses(self.displacement), self.wrenches))
@@ -257,12 +257,12 @@ class Problem(Assembly):
 
     @cached_property
     def bodies(self) -> list[Body]:
-        """What the scene's finger may touch; of a scene without an obstacle, the plane y = side/2 + d."""
+        """Bodies that the finger may touch; in a scene without an obstacle, the plane y = side/2 + d."""
         return obstacles.bodies(self.scene.obstacle, self.scene.geometry.shape.top)
 
     @cached_property
     def contact_points(self) -> ContactPoints:
-        """Where this rank's surface may touch: at the nodes, or against a round body between them too."""
+        """Possible contact points of this rank's surface: the nodes, and before a round body points between them."""
         if obstacles.all_flat(self.bodies):
             facets = np.sort(np.concatenate([self.mesh.facets.find(kind) for kind in regions.SURFACE]))
             nodes = fem.locate_dofs_topological(self.space, self.mesh.mesh.topology.dim - 1, facets)
@@ -272,11 +272,11 @@ class Problem(Assembly):
         return contact_points.on_facets(self.space, zip(parts, contact.POINTS, strict=True))
 
     def surface_places(self) -> np.ndarray:
-        """Where these points are in space, shape (points, 3) [m]."""
+        """Positions of the possible contact points in space, shape (points, 3) [m]."""
         return self.contact_points.rest + self.contact_points.field(self.displacement)
 
     def reach(self) -> float:
-        """How far the surface reaches towards the obstacle: the largest d at which one of its points touches it [m].
+        """Reach of the surface towards the obstacle: the largest d at which one of its points touches it [m].
 
         In free space this is the distance at which the obstacle is touched; -inf if it passes by.
         """
@@ -285,7 +285,7 @@ class Problem(Assembly):
         return float(self.comm.allreduce(found, op=MPI.MAX))
 
     def penetration(self) -> float:
-        """How far the surface is inside the obstacle at most [m]; 0 if it is away."""
+        """Largest penetration of the surface into the obstacle [m]; 0 if it is away."""
         if self.distance is None:
             return 0.0
         places = self.surface_places().T

@@ -61,7 +61,8 @@ class VolumeTangent:
     def __init__(self, moduli: Sequence[Moduli], mesh: FingerMesh, space: fem.FunctionSpace):
         self._mesh, nodes = mesh.mesh, space.dofmap.list
         owned = mesh.mesh.topology.index_map(3).size_local
-        corners = mesh.mesh.geometry.x[mesh.mesh.geometry.dofmap[:owned]]
+        places = mesh.mesh.geometry.x[mesh.mesh.geometry.dofmap[:owned]]
+        of_places = mesh.mesh.ufl_domain().ufl_coordinate_element().sub_elements[0]
         self._cells, self._rules = owned, []
         element, count = space.ufl_element().sub_elements[0], nodes.shape[1]
         for degree in sorted({one.degree for one in moduli}):
@@ -72,7 +73,8 @@ class VolumeTangent:
             for one in (one for one in moduli if one.degree == degree):
                 cells = np.unique(np.concatenate([mesh.cells.find(region) for region in one.regions]))
                 parts.append((one.expression, cells[cells < owned].astype(np.int32)))
-            self._rules.append((table, parts, _pull_back(corners, points, mesh.has_boxes)))
+            pull_back = _of_boxes(places) if mesh.has_boxes else _pull_back(places, of_places.tabulate(1, points)[1:])
+            self._rules.append((table, parts, pull_back))
         self._pairs = count**2  # of nodes of a cell
         rows, columns = np.repeat(nodes[:owned], count, axis=1), np.tile(nodes[:owned], (1, count))
         all_nodes = space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
@@ -100,14 +102,21 @@ class VolumeTangent:
         return summed
 
 
-def _pull_back(corners: np.ndarray, points: np.ndarray, has_boxes: bool) -> Callable[[np.ndarray], np.ndarray]:
-    """What makes a of A, shape (cells, points, pairs, 3, 3), of cells with corners, shape (cells, 8, 3) [m]."""
-    if has_boxes:
-        sizes = corners[:, 7] - corners[:, 0]  # of the boxes [m], shape (cells, 3)
-        scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])
-        return lambda moduli: moduli * scale[:, None, None]
-    trilinear = basix.create_element(basix.ElementFamily.P, basix.CellType.hexahedron, 1)
-    maps = np.einsum("Mqv,cvi->cqiM", trilinear.tabulate(1, points)[1:, :, :, 0], corners)
+def _of_boxes(corners: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Map of moduli A, shape (cells, points, pairs, 3, 3), to those in reference boxes; corners (cells, 8, 3) [m]."""
+    sizes = corners[:, 7] - corners[:, 0]  # [m], shape (cells, 3)
+    scale = np.prod(sizes, axis=1)[:, None, None] / (sizes[:, :, None] * sizes[:, None, :])
+    return lambda moduli: moduli * scale[:, None, None]
+
+
+def _pull_back(places: np.ndarray, slopes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Map of moduli A to those in reference cells that are no boxes.
+
+    Args:
+        places: positions of the nodes of their geometry, shape (cells, n, 3) [m].
+        slopes: derivatives of these nodes' shape functions at the points, shape (3, points, n).
+    """
+    maps = np.einsum("Mqv,cvi->cqiM", slopes, places)
     inverse = (np.sqrt(np.linalg.det(maps))[..., None, None] * np.linalg.inv(maps))[:, :, None]
     return lambda moduli: inverse @ moduli @ np.swapaxes(inverse, -1, -2)
 

@@ -52,7 +52,7 @@ class Term(NamedTuple):
 
 
 class Overstress(NamedTuple):
-    """What viscoelastic branches add to the stress of rubber in a step: share S(C) + stress, S of a law's W.
+    """Stress that viscoelastic branches add to that of rubber in a step: share S(C) + stress, S of a law's W.
 
     That is the stress of an energy too, share W(C) + stress : C / 2, so that a step has a potential.
     """
@@ -139,7 +139,7 @@ def moduli_of(term: Term, u: fem.Function, u0: fem.Function, change: fem.Functio
 
 
 def _moduli_by_strain(term: Term, u: fem.Function, u0: fem.Function, change: fem.Function) -> Callable[[int, int], Any]:
-    """Those of W(C): by i and k the matrix of J and L."""
+    """Moduli of W(C): by i and k the matrix of J and L."""
     energy = term.energy
     C0, dE = kinematics.right_cauchy_green(u0), kinematics.strain_variation(u0, change)
     i, k, J, L, M, N = ufl.indices(6)
@@ -155,7 +155,7 @@ def _moduli_by_strain(term: Term, u: fem.Function, u0: fem.Function, change: fem
 
 
 def _moduli_by_volume(term: Term, u: fem.Function, u0: fem.Function, change: fem.Function) -> Callable[[int, int], Any]:
-    """Those of U(J): by i and k the matrix of J and L."""
+    """Moduli of U(J): by i and k the matrix of J and L."""
     assert term.volumetric is not None
     F, F0 = kinematics.deformation_gradient(u), kinematics.deformation_gradient(u0)
     H, H0 = kinematics.cofactor(F), kinematics.cofactor(F0)

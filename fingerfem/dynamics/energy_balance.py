@@ -1,8 +1,8 @@
 """The energy balance of a motion: kinetic, elastic, contact; the work of loads and branches; and what is lost.
 
-Works are added up step by step by the trapezoidal rule, which is exact to the method's own order. What the finger has
-more than it had at first, less the work of loads, is lost, with its sign: by the method's damping of high frequencies
-and by impacts. It must not fall below zero by more than the steps' own error: that would be energy from nowhere.
+Works are added up step by step by the trapezoidal rule, which is exact to the method's own order. The loss, with its
+sign, is the sum of works less the rise of the finger's energy: by the method's damping of high frequencies and by
+impacts. It must not fall below zero by more than the steps' own error: that would be energy from nowhere.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Balance:
     largest: float = 0.0
 
     def as_dict(self) -> dict[str, float]:
-        """By name."""
+        """Energies by name."""
         return asdict(self)
 
 

@@ -52,7 +52,7 @@ class Scheme:
 
     @classmethod
     def of(cls, radius: float) -> Scheme:
-        """Those of a spectral radius from 0 to 1 [-]."""
+        """Parameters of a spectral radius from 0 to 1 [-]."""
         alpha_m, alpha_f = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
         return cls(alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f)
 
@@ -92,7 +92,7 @@ class Stepper:
         self._persistency = None if problem.contact is None else Persistency(problem)
 
     def begin(self, velocity: np.ndarray | None) -> MovingState:
-        """In the equilibrium of the problem, with a velocity [m/s] or at rest, under the loads after time 0."""
+        """First state: the problem's equilibrium, with a velocity [m/s] or at rest, under the loads after time 0."""
         u = self.problem.displacement.copy()
         branches = self.problem.branches
         stresses = np.zeros(0) if branches is None else branches.stresses
@@ -105,7 +105,7 @@ class Stepper:
     def started(self, state: MovingState) -> MovingState:
         """The same with the acceleration of the forces after its time, where they jump.
 
-        It is that of the motions that a step h resolves, (M + b h^2 K) a = -R with the tangent K. What is faster would
+        It is that of the motions that a step h resolves, (M + b h^2 K) a = -R with the tangent K. Faster ones would
         be noise.
 
         Raises:

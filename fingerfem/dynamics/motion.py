@@ -18,7 +18,7 @@ from fingerfem.scene.toml_file import one_line, read_toml
 from rom.dataset.rigid_motion import BaseMotion
 
 BASE = ("ax", "ay", "az", "wx", "wy", "wz")  # acceleration of the clamp [m/s^2], its angular velocity [rad/s]
-OUT_OF_PLANE = ("az", "wx", "wy")  # what half a finger cannot follow
+OUT_OF_PLANE = ("az", "wx", "wy")  # signals that half a finger cannot follow
 
 
 class Time(SceneTable):
@@ -69,7 +69,7 @@ class Motion:
 
     @property
     def base_moves(self) -> bool:
-        """Whether the motion has signals of the base."""
+        """True if the motion has signals of the base."""
         return any(name in self.signals for name in BASE)
 
     def base(self, time: float, after: bool) -> BaseMotion:
@@ -79,7 +79,7 @@ class Motion:
         return BaseMotion(np.array(values[:3]), np.array(values[3:]), np.array(rates))
 
     def jumps(self, time: float) -> bool:
-        """Whether a load or the base's acceleration jumps at a time [s]."""
+        """True if a load or the base's acceleration jumps at a time [s]."""
         before, now = (
             np.concatenate([self.loads(time, after)[0], [self._value("d", time, after)], *self.base(time, after)])
             for after in (False, True)

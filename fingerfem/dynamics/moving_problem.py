@@ -1,7 +1,7 @@
 """The discrete problem of a finger in motion: that of its equilibria, and inertia.
 
-Displacements are seen from the base. Where the base has the acceleration a, the angular velocity w and the orientation
-R, material at x that moves with the velocity v has, per mass, the force
+Displacements are seen from the base, which has the acceleration a, the angular velocity w and the orientation R.
+Material at x that moves with the velocity v has, per mass, the force
 
     R^T g - a - w' x x - w x (w x x) - 2 w x v
 
@@ -119,7 +119,7 @@ class MovingProblem(Problem):
         return self.times_mass(force.ravel(), whole=True)
 
     def residual(self) -> tuple[PETSc.Vec, np.ndarray]:
-        """That of an equilibrium plus inertia; the reaction is the equilibrium's part."""
+        """Residual of an equilibrium plus inertia; the reaction is the equilibrium's part."""
         b, reaction = super().residual()
         u = self.displacement
         if self.base is not None:
@@ -131,7 +131,7 @@ class MovingProblem(Problem):
         return b, reaction
 
     def tangent(self) -> PETSc.Mat:
-        """With the mass's part. That of spin is left out, a share w h of it, which costs iterations alone."""
+        """Tangent with the mass's part. That of spin is left out, a share w h of it, which costs iterations alone."""
         matrix = super().tangent()
         if self.inertia is not None:
             matrix.axpy(self.inertia.mass, self.mass, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)

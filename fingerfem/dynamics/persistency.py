@@ -1,8 +1,8 @@
-"""Velocity of contact: what presses on an obstacle moves along with it.
+"""Velocity of contact: points that press on an obstacle move with its velocity.
 
 Contact forces are those of the penalty at the end of a step, so that a point that leaves is not pushed any more. Their
-work over a step is at most the fall of the penalty's energy, which is convex. What is left of an impact is the velocity
-that the step's difference quotients give a point that was stopped. It is removed by an implicit step of damping with
+work over a step is at most the fall of the penalty's energy, which is convex. An impact leaves the velocity that the
+step's difference quotients give a point that was stopped. It is removed by an implicit step of damping with
 the penalty's own stiffness K of all points that press,
 
     (M + c h^2 K) v+ = M v + c h^2 K v_obstacle,

@@ -95,7 +95,7 @@ class Records:
         return Moment(state, Balance(**balance), float(whole["step"]), int(whole["repeated"]))
 
     def _read_rows(self, until: float) -> list[dict[str, float]]:
-        """Those up to a time [s]."""
+        """Rows up to a time [s]."""
         with (self._folder / ROWS).open(newline="") as stream:
             rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(stream)]
         return [row for row in rows if row["time"] <= until]

@@ -26,7 +26,7 @@ class Signal:
         return float(self.values.min()), float(self.values.max())
 
     def value(self, time: float, after: bool) -> float:
-        """At a time [s]; in a jump what is after it, or before."""
+        """Value at a time [s]; at a jump the one after it, or before."""
         k = int(np.searchsorted(self.times, time, "right" if after else "left"))
         if k in (0, len(self.times)):
             return float(self.values[min(k, len(self.times) - 1)])
@@ -41,7 +41,7 @@ class Signal:
 
     @property
     def has_jumps(self) -> bool:
-        """Whether two points have the same time."""
+        """True if two points have the same time."""
         return bool((np.diff(self.times) == 0).any())
 
 
@@ -54,7 +54,7 @@ class Sine:
     frequency: float
     phase: float
 
-    times = np.zeros(0)  # where it is not smooth
+    times = np.zeros(0)  # none at which it is not smooth
     has_jumps = False
 
     @property
@@ -63,7 +63,7 @@ class Sine:
         return self.mean - abs(self.amplitude), self.mean + abs(self.amplitude)
 
     def value(self, time: float, after: bool) -> float:
-        """At a time [s]."""
+        """Value at a time [s]."""
         return float(self.mean + self.amplitude * np.sin(2 * np.pi * self.frequency * time + self.phase))
 
     def slope(self, time: float, after: bool) -> float:

@@ -1,1 +1,1 @@
-"""From loads to equilibria, and what is known of an equilibrium."""
+"""Equilibria under loads, and their properties."""

@@ -6,16 +6,16 @@ import contextlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.discretisation.problem import Problem
-from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.equilibrium.failures import BeyondLaw, LoadNotReached, NotConverged
 from fingerfem.equilibrium.linearisation import Linearisation
 from fingerfem.equilibrium.newton import Newton, Strategy
 from fingerfem.equilibrium.rigid_plates import RigidPlates
+from fingerfem.equilibrium.steps import Loads, Step
 from fingerfem.equilibrium.turns import turns
 
 STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the order they are tried
@@ -23,7 +23,7 @@ STRATEGIES: tuple[Strategy, ...] = ("mixed", "plain", "line search")  # in the o
 
 @dataclass(frozen=True, kw_only=True)
 class StepOptions:
-    """How far one step goes.
+    """Limits of the steps along a path of loads.
 
     Attributes:
         turn: largest rotation of a slender finger's tip in one step, see `turns` [rad].
@@ -42,66 +42,16 @@ class StepOptions:
     wasted: int = 300
 
 
-class Loads(NamedTuple):
-    """What acts on the finger: tensions [N] then pressures [Pa], d [m], wrenches [N, N m], share of weight [-]."""
-
-    tensions: np.ndarray
-    distance: float | None
-    wrenches: np.ndarray
-    weight: float
-
-    def towards(self, target: Loads, share: float) -> Loads:
-        """Those at a share of the straight path to others [-]."""
-        if share == 1:
-            return target
-        tensions, wrenches = (
-            one + share * (other - one)
-            for one, other in ((self.tensions, target.tensions), (self.wrenches, target.wrenches))
-        )
-        distance, weight = target.distance, self.weight + share * (target.weight - self.weight)
-        if distance is not None and self.distance is not None:
-            distance = self.distance + share * (distance - self.distance)
-        return Loads(tensions, distance, wrenches, weight)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Step:
-    """A step that began at an equilibrium.
-
-    Attributes:
-        load: change of the tensions [N] and pressures [Pa], of the wrenches [N, N m], of the weight's share [-] and of
-            d [m], shape (actuators + 6 plates + 2,).
-        start: owned displacements where it began [m].
-        slope: change of displacement that the tangent expects of the step [m].
-    """
-
-    load: np.ndarray
-    start: np.ndarray
-    slope: np.ndarray
-
-    def change_after(self, last: Step) -> np.ndarray:
-        """Change of displacement by the cubic through both ends of the last step, shape (owned values,) [m].
-
-        By the tangent if the direction of the load changes, or if the step more than doubles.
-        """
-        ratio = float(np.max(np.abs(self.load)) / np.max(np.abs(last.load)))
-        if ratio > 2 or not np.allclose(self.load, ratio * last.load, rtol=1e-6, atol=0):
-            return self.slope
-        rise, before, after = self.start - last.start, last.slope, self.slope / ratio
-        t = 1 + ratio
-        value = t**2 * (3 - 2 * t) * rise + t * (1 - t) ** 2 * before + t**2 * (t - 1) * after
-        return value - rise
-
-
 def _strategies(halvings: int) -> Sequence[Strategy]:
     """Strategies to try after a number of halvings: at first, a shorter step costs less than a more robust strategy."""
-    return STRATEGIES[: 1 if halvings < 2 else 2 if halvings < 6 else 3]
+    return STRATEGIES[: 1 + (halvings >= 2) + (halvings >= 6)]
 
 
 class Continuation:
     """Leads a problem from one equilibrium to the next.
 
-    `iterations`, `steps` and `strategies` count since the last call of `rest` or `start`.
+    `iterations`, those `wasted` in failed attempts, `steps` and `strategies` count since the last call of `rest` or
+    `start`.
     """
 
     def __init__(self, problem: Problem, options: StepOptions | None = None):
@@ -127,7 +77,7 @@ class Continuation:
         self.wrenches = np.zeros_like(self.problem.wrenches) if wrenches is None else np.array(wrenches, float)
         self.problem.displacement[:] = displacement
         self._set_loads()
-        self.iterations, self._wasted, self.steps = 0, 0, 0
+        self.iterations, self.wasted, self.steps = 0, 0, 0
         self.strategies: Counter[str] = Counter()
         self._linearisation: Linearisation | None = None
         self._last: Step | None = None
@@ -156,18 +106,24 @@ class Continuation:
         comes = self._place_obstacle(distance)
         origin = self._loads
         largest, first = self._sizes(target)
-        fraction, size, failed, wasted = 0.0, first, False, self._wasted
+        fraction, size, failed, wasted = 0.0, first, False, self.wasted
+        beyond, reason = np.inf, ""  # share of the path at which a law has no answer, and what it has none to
         while fraction < 1.0:
             # Share the remainder evenly, so that the last step is not needlessly short.
             remaining = 1.0 - fraction
             share = remaining / max(1.0, np.ceil(remaining / size - 0.05)) if fraction else size
+            share = min(share, (beyond - fraction) / 2)
             ahead = 1.0 if fraction + share > 1 - 1e-12 else fraction + share
             halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
+                if halvings > self.options.halvings:
+                    raise NotConverged(reason)
                 needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:
-                if halvings >= self.options.halvings or self._wasted - wasted > self.options.wasted:
-                    tried = f"{failure.reason}; failed steps took {self._wasted - wasted} iterations"
+                if isinstance(failure, BeyondLaw):
+                    beyond, reason = ahead, failure.reason
+                if halvings >= self.options.halvings or self.wasted - wasted > self.options.wasted:
+                    tried = f"{failure.reason}; failed steps took {self.wasted - wasted} iterations"
                     raise self._failure(tried, without_obstacle=comes and not fraction) from None
                 size, failed = share / 2, True
                 continue
@@ -190,7 +146,7 @@ class Continuation:
         return True
 
     def _failure(self, reason: str, *, without_obstacle: bool) -> LoadNotReached:
-        """What is raised at the last good load; without an obstacle where nothing was solved with it."""
+        """Exception to raise at the last good load; without the obstacle if nothing was solved with it."""
         if without_obstacle:
             self.distance = None
             self._set_loads()
@@ -217,7 +173,7 @@ class Continuation:
         """
         problem, newton = self.problem, self.newton
         before = problem.displacement.copy()
-        reason = ""
+        reason, kind = "", NotConverged
         for strategy in strategies:
             if strategy == "line search" and loads.wrenches.any():
                 continue  # follower loads have no potential to search
@@ -226,7 +182,7 @@ class Continuation:
             self._hold(strategy != "line search")
             step = None
             if strategy != "line search":
-                with contextlib.suppress(NotConverged):  # where the tangent is singular there is no prediction
+                with contextlib.suppress(NotConverged):  # a singular tangent gives no prediction
                     step = self._predict(loads)
             problem.set_loads(*loads)
             # Without the mixed formulation, the stress at the predicted displacement is an equally good start.
@@ -234,9 +190,12 @@ class Continuation:
             try:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:
-                self.iterations, self._wasted = self.iterations + failure.iterations, self._wasted + failure.iterations
+                self.iterations, self.wasted = self.iterations + failure.iterations, self.wasted + failure.iterations
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
+                if isinstance(failure, BeyondLaw):  # another strategy would find the same equilibrium
+                    kind = BeyondLaw
+                    break
                 continue
             self._hold(False)
             self.tensions, self.distance, self._last = loads.tensions.copy(), loads.distance, step
@@ -249,7 +208,7 @@ class Continuation:
         problem.displacement[:] = before
         self._set_loads()
         self._last = None  # a cubic cannot foresee what made this step fail
-        raise NotConverged(reason)
+        raise kind(reason)
 
     def _hold(self, held: bool) -> None:
         if self.problem.contact is not None:
@@ -268,8 +227,8 @@ class Continuation:
     def _predict(self, loads: Loads) -> Step | None:
         """Move to where the next equilibrium is expected, by the last factorised tangent.
 
-        The nodes in contact move with the plane. Where the last step went in the same direction, a cubic goes through
-        both its ends and their tangents; a first step follows the tangent alone. Plates move rigidly.
+        The nodes in contact move with the plane. After a step in the same direction, a cubic goes through both its ends
+        and their tangents; a first step follows the tangent alone. Plates move rigidly.
         """
         problem = self.problem
         moved = 0.0 if loads.distance is None or self.distance is None else loads.distance - self.distance

@@ -1,8 +1,7 @@
 """Factors of a symmetric matrix: Newton's method solves with them, and their inertia decides stability.
 
 A matrix of one rank is taken for definite first, which all but few are: CHOLMOD's supernodal Cholesky then takes two
-thirds of the time and has no negative pivot. Where that fails, and over several ranks, MUMPS makes
-LDL^T and counts them.
+thirds of the time and has no negative pivot. If that fails, and over several ranks, MUMPS makes LDL^T and counts them.
 
 Loads that follow the plates add a matrix of low rank, which is not symmetric: A - B C^T, solved by Woodbury's formula,
 
@@ -24,7 +23,7 @@ SINGULAR = 1e14  # condition of the small matrix beyond which it has no inverse 
 class _Upper:
     """The upper triangle of a symmetric matrix of one rank, as a matrix of its own.
 
-    CHOLMOD takes that as it is. Of a whole matrix PETSc 3.22 would make it a copy, and leave that behind in memory
+    CHOLMOD takes that as it is. PETSc 3.22 would make it a copy of a whole matrix, and leave that behind in memory
     wherever the matrix is not definite (tests/fingerfem/equilibrium/test_memory.py).
     """
 
@@ -103,7 +102,7 @@ class Factorisation:
     """
 
     def __init__(self, matrix: PETSc.Mat):
-        self.matrix, self.made = matrix, 0  # how often the factors were made
+        self.matrix, self.made = matrix, 0  # number of factorisations
         self._low_rank: LowRank | None = None
         self._current: _Factors | None = None
 
@@ -123,7 +122,7 @@ class Factorisation:
         return _Factors(self._upper.matrix, "cholmod")
 
     def _is_definite(self) -> bool:
-        """Whether there are factors of a definite matrix."""
+        """Tries to factorise it as definite; True if that succeeds."""
         if not self._may_be_definite:
             return False
         self._upper.follow()

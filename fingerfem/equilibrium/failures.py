@@ -1,4 +1,4 @@
-"""What is raised instead of a state that has not converged."""
+"""Exceptions for states that have not converged."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ class NotConverged(Exception):
     def __init__(self, reason: str, iterations: int = 0):
         super().__init__(reason)
         self.reason, self.iterations = reason, iterations
+
+
+class BeyondLaw(NotConverged):
+    """An equilibrium was found, but at stretches where the law of its material has no answer."""
 
 
 class LoadNotReached(Exception):

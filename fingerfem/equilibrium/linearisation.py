@@ -12,7 +12,7 @@ from fingerfem.equilibrium.stability import AntisymmetricMotion
 
 
 class Linearisation:
-    """It holds until the next tangent is factorised.
+    """Factorised tangent at an equilibrium; valid until the next one is factorised.
 
     Attributes:
         negative_pivots: number of negative eigenvalues of the tangent (Sylvester's law of inertia).
@@ -40,5 +40,5 @@ class Linearisation:
 
     @cached_property
     def stable(self) -> bool:
-        """Whether the potential has a minimum here, against motions of the whole finger (collective)."""
+        """True if the potential has a minimum here, against motions of the whole finger (collective)."""
         return self.negative_pivots == 0 and not self._antisymmetric.gives_way()

@@ -10,21 +10,22 @@ from petsc4py import PETSc
 
 from fingerfem.discretisation.problem import Problem
 from fingerfem.equilibrium.factorisation import Factorisation
-from fingerfem.equilibrium.failures import NotConverged
+from fingerfem.equilibrium.failures import BeyondLaw, NotConverged
 from fingerfem.equilibrium.linearisation import Linearisation
 from fingerfem.equilibrium.stability import AntisymmetricMotion
 
 Strategy = Literal["mixed", "plain", "line search"]
+ROUND_OFF = 5.0  # times the estimate of a residual's round-off, which is within a factor of two [-]
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewtonOptions:
-    """When to stop.
+    """Stopping criteria of Newton's method.
 
     Attributes:
-        tolerance: bounds the residual's 2-norm over the force scale E a^2 [-].
+        tolerance: bounds the residual's 2-norm over the force scale E A [-].
         settled: largest displacement of the last iteration, over the length [-], that is as good as the tolerance ...
-        noise: ... where the residual is below this and round-off keeps it from falling further.
+        noise: ... where the residual is below this [-], or below ROUND_OFF of what `Newton.round_off` estimates.
         iterations: most factorisations in one attempt.
         near: residual below which the last factors serve on ...
         contraction: ... as long as a step with them leaves no more than this of the residual [-]. Such a step takes a
@@ -56,11 +57,11 @@ class Newton:
         self.problem, self.options = problem, options or NewtonOptions()
         self._factorisation = Factorisation(problem.matrix)
         self._antisymmetric = AntisymmetricMotion(problem)
-        self._update = problem.matrix.createVecRight()
+        self._update, self._rounded = problem.matrix.createVecRight(), problem.matrix.createVecRight()
 
     @property
     def factorisations(self) -> int:
-        """How many tangents it has factorised."""
+        """Number of tangents factorised."""
         return self._factorisation.made
 
     def solve(self, strategy: Strategy = "mixed", *, is_predicted: bool = False) -> tuple[int, Linearisation | None]:
@@ -74,7 +75,7 @@ class Newton:
             is_predicted: the stress was extrapolated to where it starts, from an equilibrium; `mixed` begins with that.
 
         Raises:
-            NotConverged: on every rank, with the problem's displacement restored.
+            NotConverged: on every rank, with the problem's displacement restored; `BeyondLaw` at an equilibrium.
         """
         problem = self.problem
         most = self.options.searches if strategy == "line search" else self.options.iterations
@@ -86,9 +87,10 @@ class Newton:
             residual, _ = problem.residual()
             norm = residual.norm() / problem.force_scale
             first = norm if first is None else first
-            # Where steel is very stiff against the rubber, round-off keeps the residual up; what Newton's method still
-            # moves then shows that there is nothing left to do.
-            settled = norm <= self.options.noise and moved <= self.options.settled * problem.scene.geometry.length
+            # If steel is very stiff against the rubber, round-off keeps the residual up; the small motion by Newton's
+            # method then shows that it has converged.
+            rests = moved <= self.options.settled * problem.scene.geometry.length
+            settled = rests and norm <= max(self.options.noise, ROUND_OFF * self.round_off())
             done = (norm <= self.options.tolerance or settled) and not kept
             exceeded = problem.limits.exceeded() if done else None
             if done and exceeded is None:
@@ -97,7 +99,7 @@ class Newton:
                     continue
                 return iteration, self._linearisation() if iteration else None
             serves = iteration > 0 and strategy != "line search" and norm < self.options.near
-            # What a step with old factors leaves is small in the residual, not yet in the soft finger: one step more.
+            # The rest of a step with old factors is small in the residual, not yet in the soft finger: one step more.
             last_step = kept and (norm <= self.options.tolerance or settled)
             serves, last = last_step or (serves and norm <= self.options.contraction * last), norm
             kept = serves and not last_step
@@ -114,13 +116,25 @@ class Newton:
                 reason = self._search(slope)
             residual.destroy()
             if reason is not None:
+                is_beyond = exceeded is not None and problem.limits.smallest_of_cells() > 0
                 problem.fields.u.x.array[:] = start
-                raise NotConverged(reason, iteration)
+                raise (BeyondLaw if is_beyond else NotConverged)(reason, iteration)
             if strategy == "mixed":
                 problem.extrapolate_stress(-self._update.array_r)
             self.add(-self._update.array_r)
             if strategy != "mixed":
                 problem.extrapolate_stress()
+
+    def round_off(self) -> float:
+        """Error of the residual by rounding, over E A [-] (collective).
+
+        The 2-norm of eps K_ii (|u_i| + h), with the diagonal of the last tangent and the shortest edge h. A
+        displacement is rounded in proportion to itself, and F = 1 + grad u in proportion to 1. Steel's rows are most.
+        """
+        self.problem.matrix.getDiagonal(self._rounded)
+        moved = np.abs(self.problem.displacement[: self._rounded.local_size])
+        self._rounded.array[:] *= moved + self.problem.mesh.smallest
+        return float(np.finfo(float).eps * self._rounded.norm() / self.problem.force_scale)
 
     def _search(self, slope: float) -> str | None:
         """Shorten the update until the potential falls as its slope [J] promises (Armijo) and no cell turns over."""
@@ -145,9 +159,9 @@ class Newton:
         if not np.isfinite(norm):
             return "the residual is not finite"
         if norm > self.options.divergence * max(first, 1e-6):
-            return f"diverges: residual {norm:.1e} E a^2 after {iteration} iterations"
+            return f"diverges: residual {norm:.1e} E A after {iteration} iterations"
         if iteration == most:
-            return f"residual still {norm:.1e} E a^2 after {iteration} iterations"
+            return f"residual still {norm:.1e} E A after {iteration} iterations"
         return None
 
     def _factorise(self) -> str | None:

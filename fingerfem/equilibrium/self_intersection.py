@@ -1,4 +1,4 @@
-"""Whether the finger's surface passes through itself, which the model does not prevent and so has to notice.
+"""Detection of a finger's surface that passes through itself, which the model does not prevent.
 
 A triangulated surface passes through itself where an edge crosses a triangle it shares no corner with.
 """
@@ -23,7 +23,7 @@ class Surface:
         facets = np.sort(np.concatenate([problem.mesh.facets.find(kind) for kind in (*regions.SURFACE, regions.WALL)]))
         mesh.topology.create_connectivity(dim - 1, dim)
         mesh.topology.create_connectivity(dim, dim - 1)
-        corners = dmesh.entities_to_geometry(mesh, dim - 1, facets).reshape(-1, 4)
+        corners = dmesh.entities_to_geometry(mesh, dim - 1, facets).reshape(len(facets), -1)[:, :4]
         vertices = mesh.geometry.x[corners]  # (facets, 4, 3), in tensor order
         points = problem.space.tabulate_dof_coordinates()
         self._nodes = cKDTree(points).query(vertices.reshape(-1, 3))[1] if len(corners) else np.empty(0, int)
@@ -37,7 +37,7 @@ class Surface:
         self._rest = points[self._nodes]
 
     def passes_through_itself(self, displacement: np.ndarray) -> bool:
-        """Whether it does, displaced by this rank's nodal displacements, shape (nodes, 3) [m] (collective)."""
+        """True if the surface does, displaced by this rank's nodal displacements, shape (nodes, 3) [m] (collective)."""
         moved = self._rest + displacement[self._nodes]
         points = np.concatenate(self._comm.allgather(moved))[self._first]
         if self._half and points[:, 2].min() < -1e-6 * self._side:
@@ -54,7 +54,7 @@ class Surface:
 
 
 def _cross(ends: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Which segments, shape (n, 2, 3), pass through the inside of their triangle, shape (n, 3, 3).
+    """True for segments, shape (n, 2, 3), that pass through the inside of their triangle, shape (n, 3, 3).
 
     Moeller, Trumbore, J. Graphics Tools 2, 1997, doi:10.1080/10867651.1997.10487468.
     """

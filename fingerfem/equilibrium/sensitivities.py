@@ -96,9 +96,9 @@ def _along(problem: Problem, gradients: list[np.ndarray], changes: np.ndarray) -
 
 
 def _reach_change(problem: Problem, change: np.ndarray) -> float:
-    """How the reach sets out to change [m] with owned displacements, shape (3 nodes,).
+    """Directional derivative of the reach [m] by owned displacements, shape (3 nodes,).
 
-    Where several points reach equally far, the one that goes farthest leads.
+    If several points reach equally far, the one that moves farthest decides.
     """
     whole = fem.Function(problem.space)
     whole.x.array[: len(change)] = change

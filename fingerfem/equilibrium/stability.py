@@ -24,7 +24,7 @@ class AntisymmetricMotion:
         self._problem = problem
 
     def gives_way(self) -> bool:
-        """Whether the finger does, at the problem's displacement (collective)."""
+        """True if half a finger is unstable against such motions at the problem's displacement (collective)."""
         problem = self._problem
         if not problem.scene.is_half:
             return False

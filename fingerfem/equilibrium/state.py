@@ -96,7 +96,7 @@ class State:
 
     @property
     def marks(self) -> list[str]:
-        """What speaks against it, in sentences."""
+        """Sentences with the reasons not to rely on the state."""
         found = ["the finger passes through itself: contact with itself is not modelled"] * self.self_intersecting
         if self.stable is False:
             found.append("the equilibrium is not stable: the finger would leave it")
@@ -106,7 +106,7 @@ class State:
         return found
 
     def tables(self) -> list[Table | str]:
-        """For people."""
+        """Tables for people."""
         return tables(self.as_json())
 
     def _repr_html_(self) -> str:
@@ -163,7 +163,7 @@ def observe(
 
 
 def stretches(problem: Problem) -> dict[str, Any]:
-    """How far the rubber is stretched, and whether that is beyond the data of a law; empty without such a range."""
+    """Range of the rubber's stretches, and whether it exceeds the data of a law; empty without data."""
     found = problem.limits.beyond_data()
     if not found:
         return {}
@@ -173,7 +173,7 @@ def stretches(problem: Problem) -> dict[str, Any]:
 
 
 def _plates(problem: Problem) -> dict[str, Any]:
-    """Where the plates of a scene with a load are."""
+    """Wrenches and poses of the plates in a scene with a load; else empty."""
     if problem.plates is None:
         return {}
     poses = problem.plates.poses(problem.displacement)
@@ -185,7 +185,7 @@ def _plates(problem: Problem) -> dict[str, Any]:
 
 
 def channel_shortening(problem: Problem) -> np.ndarray:
-    """How much shorter every tendon has become between its ends, shape (tendons,) [m] (collective)."""
+    """Shortening of every tendon between its ends, shape (tendons,) [m] (collective)."""
     return problem.rest_lengths - [problem.tendon_length(k) for k in range(len(problem.rest_lengths))]
 
 
@@ -197,7 +197,7 @@ def pad_pressure(problem: Problem) -> float:
 
 
 def _contact(problem: Problem) -> dict[str, Any]:
-    """What the plane makes to report."""
+    """Contact force, and the pad's results; empty without an obstacle."""
     contact, obstacle = problem.contact, problem.scene.obstacle
     if contact is None or obstacle is None:
         return {}

@@ -25,7 +25,7 @@ CHANGES = {
 
 
 def tables(found: Mapping[str, Any]) -> list[Table | str]:
-    """Of a state in plain data, see State.as_json."""
+    """Tables of a state in plain data, see State.as_json."""
     names = [name for name in found["parameters"] if name != "d"]
     chambers = found.get("chamber_volumes", {})
     loads = [row(name, value, unit_of(name, chambers)) for name, value in found["parameters"].items()]
@@ -79,7 +79,9 @@ def _scalars(quantity: str, by_parameter: Mapping[str, Any]) -> dict[str, dict[s
 
 
 def unit_of(name: str, chambers: Container[str] = ()) -> str:
-    """Of a parameter: the pressure of a chamber, d, a component of a moment, or a tension or force."""
+    """Unit of a parameter: the pressure of a chamber, d, a component of a moment, or a tension or force."""
     if name in chambers:
         return "Pa"
-    return "m" if name == "d" else "N m" if name[:1] == "m" else "N"
+    if name == "d":
+        return "m"
+    return "N m" if name[:1] == "m" else "N"

@@ -1,4 +1,4 @@
-"""How far loads turn the tip of a slender finger of rubber alone: steps are measured by it."""
+"""Rotation of the tip of a slender finger of rubber alone by loads: a measure of steps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Turns(NamedTuple):
 
 
 def turns(problem: Problem) -> Turns:
-    """Those of a problem's finger. The axial strain counts as a rotation: a tendon on the axis only shortens."""
+    """Rotations of a problem's finger. The axial strain counts as a rotation: a tendon on the axis only shortens."""
     scene, geometry = problem.scene, problem.scene.geometry
     compliance = np.mean(geometry.size_at(np.linspace(0.0, geometry.length, 100)) ** -4.0)  # of all sections [-]
     bending = float(problem.law.young_modulus * geometry.shape.second_moment / compliance)  # [N m^2]
@@ -42,7 +42,7 @@ def turns(problem: Problem) -> Turns:
 
 
 def _by_pressure(problem: Problem, bending: float) -> np.ndarray:
-    """By every chamber's pressure on its end, shape (chambers,) [rad/Pa]."""
+    """Rotations by every chamber's pressure on its end, shape (chambers,) [rad/Pa]."""
     section, found = problem.mesh.section, []
     for chamber, cavity in zip(problem.scene.chambers, problem.scene.outline.cavities, strict=True):
         area, offset = section.column_area(cavity.tag), section.column_centroid(cavity.tag)

@@ -192,7 +192,7 @@ def stress(law: Law, points: Points) -> np.ndarray:
 
 
 def errors(points: Points, stress: np.ndarray) -> Errors:
-    """Of nominal stresses at the points, shape (points,) [Pa]."""
+    """Errors of nominal stresses at the points, shape (points,) [Pa]."""
     relative = (stress - points.stress) / points.peak
 
     def of(chosen: np.ndarray) -> tuple[float, float]:

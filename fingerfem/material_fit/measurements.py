@@ -17,6 +17,7 @@ from rom.files.csv_table import CsvTable, Heading, Refused, factor, heading, rea
 NAMES = {**{mode: mode for mode in MODES}, "biaxial": "equibiaxial", "pure shear": "planar"}
 STRAIN_UNITS = {"-": 1.0, "1": 1.0, "mm/mm": 1.0, "m/m": 1.0, "%": 0.01}
 STRESS_UNITS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "N/mm2": 1e6, "N/mm^2": 1e6, "N/mm²": 1e6, "psi": 6894.757293168}
+KINDS = {"stress": "stress", "stretch": "elongation", "strain": "elongation"}  # of columns, by words in their names
 TRUE = re.compile(r"\b(true|log|logarithmic|hencky|cauchy)\b")
 STRETCHES = (0.05, 20.0)  # that a law's key `stretches` may have [-]
 FEWEST = 8  # different stretches of a test: Ogden's law of three terms has six constants
@@ -54,7 +55,7 @@ class Column(NamedTuple):
 
 
 class Header(NamedTuple):
-    """What the first line names; `mode` is that of all rows where no column has it."""
+    """Columns that the first line names; without a column of tests, all rows have `mode`."""
 
     elongation: Column
     stress: Column
@@ -97,13 +98,13 @@ def read_measurements(path: str | Path, test: str | None = None, to: float | Non
 
 
 def _header(table: CsvTable, test: str | None) -> Header:
-    """What the columns are."""
+    """Columns by their names in the table's first line."""
     where, names = table.where(table.first), table.names
     found: dict[str, list[int]] = {"test": [], "elongation": [], "stress": []}
     true = []
     for index, name in enumerate(names):
         lower = name.lower()
-        kind = "stress" if "stress" in lower else "elongation" if "stretch" in lower or "strain" in lower else None
+        kind = next((kind for word, kind in KINDS.items() if word in lower), None)
         if kind and TRUE.search(lower):
             true.append(name.strip())
         elif kind or lower.strip() == "test":
@@ -122,7 +123,7 @@ def _header(table: CsvTable, test: str | None) -> Header:
         elongation=_column(where, elongation, found["elongation"][0], STRAIN_UNITS),
         stress=_column(where, stress, found["stress"][0], STRESS_UNITS),
         test=found["test"][0] if found["test"] else None,
-        mode=None if found["test"] else modes.pop() if modes else _mode("test", test or ""),
+        mode=next(iter(modes), None) if test is None else _mode("test", test),
     )
 
 
@@ -130,8 +131,8 @@ def _column(where: str, name: str, index: int, units: Mapping[str, float]) -> Co
     """A column by its name, which ends in a unit."""
     parts = heading(name)
     scale = factor(where, parts, units)
-    kind = "stress" if units is STRESS_UNITS else "stretch" if "stretch" in parts.name.lower() else "strain"
-    return Column(kind, index, parts.unit, scale)
+    strain = "stretch" if "stretch" in parts.name.lower() else "strain"
+    return Column("stress" if units is STRESS_UNITS else strain, index, parts.unit, scale)
 
 
 def _mode(name: str, text: str) -> str:

@@ -47,7 +47,7 @@ def _products(alpha: np.ndarray, points: Points) -> tuple[np.ndarray, np.ndarray
     """The best mu_p alpha_p of these powers, shape (terms,) [Pa], and the scaled errors, shape (points,) [-]."""
 
     def stress(mode: str, stretch: np.ndarray) -> np.ndarray:
-        """Of mu_p alpha_p = 1 Pa: 1 / (n alpha_p) times the sum of k l^(alpha_p k - 1), k = EXPONENTS."""
+        """Stress at mu_p alpha_p = 1 Pa: 1 / (n alpha_p) times the sum of k l^(alpha_p k - 1), k = EXPONENTS."""
         k = np.array(EXPONENTS[mode])
         powers = stretch[:, None, None] ** (alpha[:, None] * k - 1)
         return (powers @ k) / alpha / pulled(mode)

@@ -50,7 +50,7 @@ class Points:
 
     @property
     def scale(self) -> np.ndarray:
-        """Of an error's contribution: the root of the weight, over the peak, shape (points,) [1/Pa]."""
+        """Scale of an error's contribution: the root of the weight, over the peak, shape (points,) [1/Pa]."""
         return np.sqrt(self.weight) / self.peak
 
     @property

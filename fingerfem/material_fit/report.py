@@ -1,4 +1,4 @@
-"""What a comparison of fitted laws shows: tables and lines for people, JSON, and the table of material of a scene."""
+"""Report of a comparison of fitted laws: tables and lines for people, JSON, and a scene's table of material."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _row(fit: Fit, is_chosen: bool) -> list[str]:
 
 
 def stability(fit: Fit) -> str:
-    """Where a law is stable."""
+    """Range of stretches in which a law is stable, in words."""
     if fit.law is not None and fit.law.is_always_stable:
         return "all"
     if fit.loss is None:
@@ -62,7 +62,7 @@ def constants(law: Law) -> str:
 
 
 def lines(comparison: Comparison) -> list[str]:
-    """What bounds the fits."""
+    """Lines with the limits of the fits."""
     low, high = comparison.stretches
     found = [f"{one.name} is refused: {one.reason}" for one in comparison.fits if one.law is None]
     found += [

@@ -6,7 +6,7 @@ import numpy as np
 
 from fingerfem.scene.laws import NUMPY, Invariants, Law
 
-# Of the stretch along the pull: the principal stretches are its powers.
+# Principal stretches are these powers of the stretch along the pull.
 EXPONENTS = {"uniaxial": (1.0, -0.5, -0.5), "equibiaxial": (1.0, 1.0, -2.0), "planar": (1.0, 0.0, -1.0)}
 IMAGINARY = 1e-30  # of a derivative, which is exact [-]
 

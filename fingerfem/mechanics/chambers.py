@@ -5,8 +5,8 @@ tangent. With N outward of the rubber, so into the chamber, and x the wall's pos
 
     V = - integral of x e_x . cof(F) N dA
 
-over the wall at rest, by Gauss' theorem. What closes the chamber without a wall of its own adds nothing: x = 0 at the
-clamp, and e_x lies in the cut of half a finger. With x = 0 on its rim, a wall that ends at the clamp has the forces of
+over the wall at rest, by Gauss' theorem. Closures without a wall add nothing: x = 0 at the clamp, and e_x lies in the
+cut of half a finger. With x = 0 on its rim, a wall that ends at the clamp has the forces of
 pressure alone.
 """
 

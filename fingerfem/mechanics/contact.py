@@ -26,7 +26,7 @@ import ufl
 
 from fingerfem.mechanics import kinematics, strain_energy
 
-POINTS = 10, 40  # where facets of rubber and of plates may touch a round obstacle first, along an edge
+POINTS = 10, 40  # possible contact points along an edge of facets of rubber and of plates, against a round obstacle
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 

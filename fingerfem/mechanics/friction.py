@@ -12,7 +12,7 @@ point sticks only within a stretch of b/k, a micrometre, which Newton's method j
 rubber around a point it does not. The law is linearised in f, s and b, and solved for f. So forces are no unknowns of
 their own.
 
-Whether a point presses is decided likewise, by N - r (g + N/k) > 0 with the gap g, where its force is N = -k g.
+Likewise, a point presses if N - r (g + N/k) > 0 with the gap g, where its force is N = -k g.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def law(
     slides = size > bounds
     share = np.where(slides, bounds / np.where(slides, size, 1.0), 1.0)
     unit = np.where(slides[:, None], way / np.where(slides, size, 1.0)[:, None], 0.0)
-    # Where a point sticks share is 1 and this k; where it slides, it is what turns the force.
+    # At a point that sticks, share is 1 and this k; at one that slides, this turns the force.
     tangent = share * r / (1 - share * (1 - r / k))
     by_stretch = tangent[:, None, None] * (tangential - unit[:, :, None] * unit[:, None])
     forces = np.einsum("mij,mj->mi", by_stretch, stretches) + bounds[:, None] * unit

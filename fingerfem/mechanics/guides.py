@@ -40,7 +40,7 @@ class Guide(NamedTuple):
 
     @property
     def slips(self) -> np.ndarray:
-        """Where each layer begins, shape (n,) [m]."""
+        """Slip of the tendon at the start of each layer, shape (n,) [m]."""
         return np.cumsum(self.shortenings[::-1])[::-1]
 
     @property
@@ -68,7 +68,7 @@ class GuideLaw:
         return np.exp(self.friction * guide.turns), self.per_length * self.distances
 
     def moves(self, guide: Guide, yielding: np.ndarray) -> np.ndarray:
-        """What the tendon does where each layer begins: STICKS, PULLED, LET_OUT or SLACK, shape (n,).
+        """State of the tendon at the start of each layer: STICKS, PULLED, LET_OUT or SLACK, shape (n,).
 
         Args:
             guide: at the present tensions.
@@ -116,7 +116,7 @@ class GuideLaw:
         return found
 
     def dissipated(self, guide: Guide, last: Guide) -> float:
-        """What friction took in the increment from the last guide [J]; see `rod/guides.c` of rom for the mean force."""
+        """Energy lost by friction in the increment from the last guide [J]; mean force as in rom's `rod/guides.c`."""
         before, now = last.upstream - last.tensions, guide.upstream - guide.tensions
         mean = np.where(before * now > 0, (before + now) / 2, now)
         return float(mean @ (guide.slips - guide.before))

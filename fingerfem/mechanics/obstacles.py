@@ -26,7 +26,7 @@ MARCHES, CLOSE = 1000, 1e-12  # steps towards a body; distance over its reach th
 
 @dataclass(frozen=True)
 class Maths:
-    """What a formula takes from UFL or from NumPy; `number` makes a constant of the compiled forms, or leaves it."""
+    """Functions of UFL or NumPy for a formula; `number` makes a constant of the compiled forms, or leaves it."""
 
     sqrt: Callable[[Any], Any]
     maximum: Callable[[Any, Any], Any]
@@ -38,7 +38,7 @@ NUMPY = Maths(np.sqrt, np.maximum, np.minimum, float)
 
 
 def in_ufl(number: Callable[[float], Any]) -> Maths:
-    """For UFL expressions whose constants are made by `number`."""
+    """Functions of UFL, with constants made by `number`."""
     return Maths(ufl.sqrt, ufl.max_value, ufl.min_value, number)
 
 
@@ -56,7 +56,7 @@ class Body(ABC):
 
     @property
     def is_flat(self) -> bool:
-        """Whether it touches convex bodies at their corners alone."""
+        """True if the body touches convex ones at their corners alone."""
         return isinstance(self, Plane)
 
     @abstractmethod
@@ -191,7 +191,7 @@ class Cylinder(Body):
         return _normalised(arms - np.outer(arms @ self.axis, self.axis))
 
     def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
-        """As of a sphere, across the axis."""
+        """Curvature as of a sphere, across the axis."""
         across = np.eye(3) - np.outer(self.axis, self.axis)
         return _round(arms @ across, across)
 
@@ -225,7 +225,7 @@ class Box(Body):
         return outside + inside - maths.number(self.rounding)
 
     def normal_from_centre(self, arms: np.ndarray) -> np.ndarray:
-        """From the nearest point of the box without its rounding; of one inside that, from its nearest face."""
+        """Normal from the nearest point of the box without its rounding; for a point inside, from its nearest face."""
         own, beyond = self._beyond(arms)
         outwards = np.maximum(beyond, 0.0)
         inside = ~outwards.any(axis=1)
@@ -233,7 +233,7 @@ class Box(Body):
         return _normalised(outwards * np.sign(own)) @ np.array(self.axes)
 
     def curvature_from_centre(self, arms: np.ndarray) -> np.ndarray:
-        """As of a sphere, in the axes along which the point is beyond the box without its rounding; inside none."""
+        """Curvature as of a sphere, in the axes along which the point is beyond the unrounded box; inside none."""
         own, beyond = self._beyond(arms)
         outwards = np.maximum(beyond, 0.0) * np.sign(own)
         found, axes = np.zeros((len(arms), 3, 3)), np.array(self.axes)
@@ -276,7 +276,7 @@ def bodies(obstacle: Obstacle | None, top: float) -> list[Body]:
 
 
 def all_flat(bodies: list[Body]) -> bool:
-    """Whether all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
+    """True if all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
     return all(one.is_flat for one in bodies)
 
 

@@ -20,7 +20,7 @@ from rom.dataset import rigid_motion
 
 @dataclass(frozen=True, kw_only=True)
 class Pose:
-    """Where a plate is.
+    """Position and rotation of a plate.
 
     Attributes:
         centre: mean place of its material, shape (3,) [m].
@@ -39,7 +39,7 @@ class Pose:
 
     @property
     def quaternion(self) -> np.ndarray:
-        """Its rotation as a unit quaternion, its scalar part first and not negative, shape (4,) [-]."""
+        """Rotation of the plate as a unit quaternion, its scalar part first and not negative, shape (4,) [-]."""
         return rigid_motion.quaternions(self.rotation)
 
     def clamp_change(self, motion: np.ndarray) -> np.ndarray:
@@ -64,7 +64,7 @@ def cross(vector: np.ndarray) -> np.ndarray:
 
 
 def generalised_forces(at: Pose, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What a wrench in the plate's frame, force [N] and moment about its centre [N m], shape (6,), does work on.
+    """Forces on c and M by a wrench in the plate's frame, force [N] and moment about its centre [N m], shape (6,).
 
     Returns:
         the force on c, shape (3,) [N], and on M, shape (3, 3) [N/m^4].
@@ -74,13 +74,13 @@ def generalised_forces(at: Pose, wrench: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def changes_with_rotation(at: Pose, wrench: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """How the generalised forces change as the plate turns about its own axes x, y, z, the stretch kept [.../rad]."""
+    """Changes of the generalised forces by rotations of the plate about its axes, the stretch kept [.../rad]."""
     force, moment = wrench[:3], cross(np.linalg.solve(_inertia(at), wrench[3:]))
     return [(at.rotation @ cross(axis) @ force, at.rotation @ cross(axis) @ moment) for axis in np.eye(3)]
 
 
 def rotation_gradients(at: Pose) -> list[np.ndarray]:
-    """What turns the plate about its own axes, R^T dtheta by dM, three of shape (3, 3) [rad/m^5]."""
+    """Derivatives of the plate's rotation about its own axes, R^T dtheta, by M: three of shape (3, 3) [rad/m^5]."""
     return [at.rotation @ cross(row) for row in np.linalg.inv(_inertia(at))]
 
 

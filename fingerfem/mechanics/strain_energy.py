@@ -21,7 +21,7 @@ import ufl
 from fingerfem.scene.laws import NUMPY, Invariants, Law, Maths
 
 Dilatational = Callable[[Any], Any]  # J -> U
-Number = Callable[[float], Any]  # what stands in a form for a constant
+Number = Callable[[float], Any]  # replaces a constant in a form
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def stress(energy: Energy, C):
 
 
 def elasticity(energy: Energy, C):
-    """Its derivative dS/dE = 2 dS/dC [Pa], E the Green-Lagrange strain; rank 4, symmetric in each pair."""
+    """Derivative of the stress, dS/dE = 2 dS/dC [Pa], E the Green-Lagrange strain; rank 4, symmetric in each pair."""
     if not isinstance(energy, Isotropic):
         C = ufl.variable(C)
         return 4 * ufl.diff(ufl.diff(energy(ufl.sym(C)), C), C)
@@ -102,7 +102,7 @@ def elasticity(energy: Energy, C):
 
 
 def _gradients(C: Any) -> tuple[Any, Any, Any]:
-    """Of the invariants by C."""
+    """Gradients of the invariants by C."""
     I, I1, I2, _ = ufl.Identity(3), *invariants(C)  # noqa: E741
     return I, I1 * I - C, C * C - I1 * C + I2 * I
 

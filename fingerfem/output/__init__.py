@@ -1,1 +1,1 @@
-"""What people look at: files for ParaView, pictures, rows."""
+"""Output for people: files for ParaView, pictures, rows."""

@@ -21,7 +21,7 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
     """Fields of the rubber and other materials at the cells' midpoints, nan in plates, shape (cells,) of this rank.
 
     S11 is the axial second Piola-Kirchhoff stress [Pa], von_mises that of the Cauchy stress [Pa], both without the
-    tendons' own tension; J is the volume ratio [-]. Of rubber with a pressure of its own, pressure and J are means over
+    tendons' own tension; J is the volume ratio [-]. In rubber with a pressure of its own, pressure and J are means over
     the points of that pressure: elsewhere the bulk modulus times J - 1 is none.
     """
     found: dict[str, np.ndarray] = {}

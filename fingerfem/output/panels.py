@@ -40,7 +40,7 @@ SIDES = ("x_length", "y_length", "z_length")
 
 @dataclass(frozen=True, kw_only=True)
 class View:
-    """What every panel shows.
+    """Region and resolution of every panel.
 
     Attributes:
         extent: left, right, lowest, highest [mm].
@@ -52,13 +52,13 @@ class View:
 
     @property
     def height_over_width(self) -> float:
-        """Of the panel [-]."""
+        """Aspect ratio of the panel [-]."""
         left, right, lowest, highest = self.extent
         return (highest - lowest) / (right - left)
 
 
 def colour_map(field: str) -> Colormap:
-    """Of a field of FIELDS, in steps: a diverging one where zero has a meaning."""
+    """Colour map of a field of FIELDS, in steps: a diverging one if zero has a meaning."""
     return colormaps["coolwarm" if field == "S11" else "viridis"].resampled(STEPS)
 
 
@@ -94,7 +94,7 @@ def draw_here(panels: Sequence[Deformed], picture: str) -> None:
 
 
 def _save(figure: Any, picture: str) -> None:
-    """As a PNG of 256 colours: a third of the bytes."""
+    """Saves a figure as a PNG of 256 colours: a third of the bytes."""
     raw = io.BytesIO()
     figure.savefig(raw, dpi=DOTS_PER_INCH, bbox_inches="tight")
     plt.close(figure)
@@ -103,7 +103,7 @@ def _save(figure: Any, picture: str) -> None:
 
 
 def _extent(meshes: Sequence[Any]) -> tuple[float, float, float, float]:
-    """What every panel shows: left, right, lowest, highest [mm]."""
+    """Extent of every panel: left, right, lowest, highest [mm]."""
     points = MM * np.concatenate([mesh.points for mesh in meshes])
     (left, lowest, _), (right, highest, _) = points.min(axis=0), points.max(axis=0)
     room = 0.04 * (right - left)
@@ -164,7 +164,7 @@ def _overlay(axes: Axes, panel: Deformed, tendons: Sequence[np.ndarray]) -> None
 
 
 def _legend(panels: Sequence[Deformed]) -> list[Any]:
-    """What colours mean, of what is there."""
+    """Entries of the legend, for the panels' own contents."""
     pulls = [bool(line.tension) for panel in panels for line in panel.tendons]
     found: list[Any] = []
     for is_pulled, name, colour, dashes in (
@@ -187,7 +187,7 @@ def _finger(panel: Deformed, scale: float) -> Any:
 
 
 def tendon_paths(panel: Deformed) -> list[np.ndarray]:
-    """Where tendons run in the deformed finger, shapes (points, 3) [m]; straight ones begin at the clamp."""
+    """Paths of tendons in the deformed finger, shapes (points, 3) [m]; straight ones begin at the clamp."""
     grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points)
     grid.point_data["displacement"] = panel.displacement
     inward = 1e-6 * np.ptp(panel.points[:, 0]) * np.array([1.0, 0.0, 1.0])  # the mesh's own faces count as within

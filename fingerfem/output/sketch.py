@@ -26,7 +26,7 @@ WIDTH, SECTION, DOTS_PER_INCH = 9.0, 3.4, 110  # of the drawing, and what its lo
 
 @dataclass(frozen=True, kw_only=True)
 class Frame:
-    """What both views are drawn with: lengths of the scene in mm, and its tendons' colours."""
+    """Measures of both views: lengths of the scene in mm, and its tendons' colours."""
 
     geometry: Geometry
     tendons: Sequence[Tendon]
@@ -38,12 +38,12 @@ class Frame:
 
     @property
     def ends(self) -> np.ndarray:
-        """Where segments end along x, shape (segments,) [mm]."""
+        """Ends of the segments along x, shape (segments,) [mm]."""
         return MM * np.cumsum(self.geometry.segments)
 
     @property
     def length(self) -> float:
-        """Of the finger [mm]."""
+        """Length of the finger [mm]."""
         return float(self.ends[-1])
 
     @property
@@ -104,7 +104,7 @@ def write_sketch(scene: Scene, picture: str | Path) -> None:
 
 
 def _limits(scene: Scene, frame: Frame) -> tuple[float, float, float, float]:
-    """What is seen from the side: left, right, lowest, highest [mm]."""
+    """Extent of the view from the side: left, right, lowest, highest [mm]."""
     half, unit = frame.side / 2, frame.unit
     letters = max(len(", ".join(names)) for names in _by_height(frame).values())
     above, below = (5.0 if scene.load else 4.2) * unit, 4.4 * unit
@@ -224,7 +224,7 @@ def _obstacle(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
 
 def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
-    """Where other bodies, at the nearest of their distances, cut the plane z = 0."""
+    """Draws the cuts of other bodies, at their nearest distances, with the plane z = 0."""
     from fingerfem.mechanics.obstacles import NUMPY, bodies
 
     reach = 1.5 * frame.length / MM
@@ -236,7 +236,7 @@ def _cut(axes: Axes, frame: Frame, obstacle: Obstacle) -> None:
 
 
 def _load(axes: Axes, frame: Frame, force: float) -> None:
-    """On every plate, what may press."""
+    """Draws the largest force on every plate."""
     unit = frame.unit
     for k, (plate, half) in enumerate(zip(frame.geometry.plates, MM * frame.geometry.half_lengths[:, 1], strict=True)):
         x = MM * float(np.mean(plate))

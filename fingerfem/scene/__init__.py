@@ -1,1 +1,1 @@
-"""What is modelled: the tables of a scene, their rules, and what follows from them alone."""
+"""Description of a model: the tables of a scene, their rules, and quantities from these alone."""

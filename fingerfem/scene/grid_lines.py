@@ -48,13 +48,13 @@ def lines_along(outline: GridOutline, mesh: Mesh) -> np.ndarray:
     return x
 
 
-def section_mesh(outline: GridOutline, across: int, half: bool = False) -> PlaneMesh:
-    """The section's mesh at the clamp; its half z >= 0 where half the finger is modelled.
+def section_mesh(outline: GridOutline, across: int, half: bool = False, order: int = 1) -> PlaneMesh:
+    """The section's mesh at the clamp, of cells of an order; its half z >= 0 where half the finger is modelled.
 
     Raises:
         ValueError: the cells across cannot hold the channels or the pad, or a file is not of this finger.
     """
-    section, wanted = outline.geometry.shape, outline.wanted(across, half)
+    section, wanted = outline.geometry.shape, outline.wanted(across, half, order)
     try:
         mesh = check_cavities(section.mesh(wanted), wanted.cavities)
         for inlay in wanted.inlays:
@@ -119,6 +119,6 @@ def _along(outline: GridOutline) -> list[list[float]]:
 
 
 def in_plate(outline: GridOutline, k: int, x: np.ndarray) -> np.ndarray:
-    """Which of the points x, shape (3, n) [m], lie in plate k, its faces included."""
+    """True for points x, shape (3, n) [m], in plate k, its faces included."""
     start, end = outline.plates[k]
     return (x[0] > start - outline.tolerance) & (x[0] < end + outline.tolerance)

@@ -1,4 +1,4 @@
-"""What a finger may touch: one rigid body, or several."""
+"""Obstacle that a finger may touch: one rigid body, or several."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def unit(vector: Sequence[float]) -> tuple[float, ...]:
     return tuple(part / length for part in scaled)
 
 
-# What places an obstacle, and which of it every shape needs or may have. A plane without any is y = side/2 + d.
+# Keys that place an obstacle, and those that every shape needs or may have. A plane without any is y = side/2 + d.
 PLACING = ("shape", "centre", "direction", "normal", "axis", "radius", "sides", "rotation", "rounding")
 NEEDS = {"plane": (), "sphere": ("centre", "radius"), "cylinder": ("centre", "axis", "radius")}
 NEEDS |= {"box": ("centre", "sides", "rounding")}
@@ -36,7 +36,7 @@ class Shape(SceneTable):
     """A rigid body: the plane y = side/2 + d, or another shape that d moves along `direction`."""
 
     shape: Literal["plane", "sphere", "cylinder", "box"] = "plane"
-    centre: Place | None = None  # where it is at d = 0 [m]; of a plane, a point on it
+    centre: Place | None = None  # position at d = 0 [m]; of a plane, a point on it
     direction: Vector | None = None  # along which d moves it away [-]; if absent y, or against the plane's normal
     normal: Vector | None = None  # of a plane, towards the finger [-]; -y if absent
     axis: Vector | None = None  # of a cylinder, which has no ends [-]
@@ -77,7 +77,7 @@ class Shape(SceneTable):
 
     @model_serializer(mode="wrap")
     def _without_its_usual_place(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Of the plane y = side/2 + d, nothing places it: its scenes are those from before there were other shapes."""
+        """Omits keys that place the plane y = side/2 + d: its scenes are those from before there were other shapes."""
         table = serialise(self)
         return {
             key: value
@@ -94,12 +94,12 @@ class Shape(SceneTable):
 
     @property
     def faces(self) -> bool:
-        """Whether it is the plane y = side/2 + d."""
+        """True if the body is the plane y = side/2 + d."""
         return self.shape == "plane" and self.centre is None and self.direction is None
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether it is its own mirror image in z = 0, wherever d moves it."""
+        """True if the body is its own mirror image in z = 0, wherever d moves it."""
         across = [vector[2] for vector in (self.centre, self.direction, self.normal) if vector is not None]
         if self.axis is not None:
             across.append(self.axis[2] and (self.axis[0] or self.axis[1]))
@@ -109,7 +109,7 @@ class Shape(SceneTable):
 
 
 class Obstacle(Shape):
-    """What the finger touches without friction: rigid bodies. d moves all of them, each along its own direction."""
+    """Rigid bodies that the finger touches without friction. d moves all of them, each along its own direction."""
 
     distance: Annotated[list[Distance], Field(min_length=2, max_length=2)]  # [nearest, farthest] [m]
     method: Literal["penalty", "nitsche"] = "penalty"
@@ -132,7 +132,7 @@ class Obstacle(Shape):
 
     @property
     def is_facing_plane(self) -> bool:
-        """Whether it is the plane y = side/2 + d alone."""
+        """True if the obstacle is the plane y = side/2 + d alone."""
         return self.faces and not self.others
 
     @property

@@ -1,4 +1,4 @@
-"""What the mesh of a finger has to meet: plates, channels, chambers, other materials and a pad."""
+"""Boundaries that a finger's mesh must follow: plates, channels, chambers, other materials and a pad."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rom.dataset.grid import SHARE
 
 
 class GridOutline(NamedTuple):
-    """What the mesh's grid lines have to meet, and what lies between them."""
+    """Boundaries that the mesh's grid lines must follow, and the parts between them."""
 
     geometry: Geometry
     tendons: Sequence[Tendon]
@@ -24,23 +24,23 @@ class GridOutline(NamedTuple):
 
     @property
     def is_planar(self) -> bool:
-        """Whether all that is inside has a mirror image in z = 0, so that the finger's two halves are alike."""
+        """True if everything inside has a mirror image in z = 0, so that the finger's two halves are alike."""
         mirrored = all(one.is_mirrored for one in [*self.chambers, *self.materials])
         return mirrored and all(tendon.offset[1] == 0 for tendon in self.tendons)
 
     @property
     def tolerance(self) -> float:
-        """How near to each other two coordinates are the same [m]."""
+        """Largest difference of coordinates that count as equal [m]."""
         return SHARE * self.geometry.side
 
     @property
     def plates(self) -> list[tuple[float, float]]:
-        """Where every segment's plate begins and ends along x [m]."""
+        """Start and end of every segment's plate along x [m]."""
         return self.geometry.plates
 
     @property
     def columns(self) -> list[Column]:
-        """What the section's mesh has of every tendon."""
+        """Cells of the section's mesh for every tendon."""
         places = [tuple(tendon.offset) for tendon in self.tendons]
         near = 1e-9 * self.geometry.channel_width
         alike = [
@@ -53,7 +53,7 @@ class GridOutline(NamedTuple):
 
     @property
     def cavities(self) -> list[Cavity]:
-        """What the section's mesh has of every chamber; those of one region share their cells."""
+        """Cells of the section's mesh for every chamber; those of one region share their cells."""
         where = [one.model_dump(include={"region", "centre", "size"}) for one in self.chambers]
         own = [
             one | {"name": chamber.name} if chamber.region == "group" else one
@@ -65,12 +65,12 @@ class GridOutline(NamedTuple):
 
     @property
     def inlays(self) -> list[Inlay]:
-        """What the section's mesh has of every other material."""
+        """Cells of the section's mesh for every other material."""
         last = RUBBER - 1 - len(self.chambers)
         return [Inlay(**_inside(one), tag=last - k) for k, one in enumerate(self.materials)]
 
-    def wanted(self, across: int, half: bool) -> Wanted:
-        """What the section's mesh has to meet, with cells across."""
+    def wanted(self, across: int, half: bool, order: int) -> Wanted:
+        """Requirements on the section's mesh, with cells across of an order."""
         return Wanted(
             columns=self.columns,
             width=self.geometry.channel_width,
@@ -79,6 +79,7 @@ class GridOutline(NamedTuple):
             half=half,
             cavities=self.cavities,
             inlays=self.inlays,
+            curved=order > 1,
         )
 
 

@@ -1,4 +1,4 @@
-"""What a scene places in the rubber: pressure chambers, and other materials such as layers, fibres, a skeleton."""
+"""Parts placed in the rubber: pressure chambers, and other materials such as layers, fibres, a skeleton."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
 
 
 def _unmeasured(table: dict[str, Any], tensions: int) -> str:
-    """What a scene has that the front was not measured with; nothing where its error is promised."""
+    """Part of a scene that the front was not measured with; empty if its error is promised."""
     material = table.get("material")
     law = material.get("law", LAW) if isinstance(material, dict) else LAW
     if tensions > len(ERRORS):

@@ -64,9 +64,7 @@ def check_chambers(scene: Scene) -> None:
 
 def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
     """A chamber lies between the ends of one segment's rubber, apart from others of the same region."""
-    begins = [0.0, *(end for _, end in scene.outline.plates)]
-    spans = list(zip(begins, (begin for begin, _ in scene.outline.plates), strict=False))
-    near = scene.outline.tolerance
+    spans, near = _rubber(scene), scene.outline.tolerance
     if not any(a - near <= chamber.x[0] and chamber.x[1] <= b + near for a, b in spans):
         where = " or ".join(f"[{a:g}, {b:g}]" for a, b in spans)
         raise ValueError(f"chambers.{k}.x must lie in the rubber of one segment, {where} m, got {chamber.x}")
@@ -84,14 +82,21 @@ def _check_span(scene: Scene, k: int, chamber: Chamber, least: float) -> None:
             )
 
 
+def _rubber(scene: Scene) -> list[tuple[float, float]]:
+    """Start and end of every segment's rubber [m]."""
+    begins = [0.0, *(end for _, end in scene.outline.plates)]
+    return list(zip(begins, (begin for begin, _ in scene.outline.plates), strict=False))
+
+
 def _check_ends(scene: Scene, k: int, chamber: Chamber) -> None:
-    """Of a finger that elements are trained on, a chamber ends within their end pieces, and not at the clamp."""
-    side, last = END * scene.geometry.side, scene.outline.plates[-1][0]
-    near = scene.outline.tolerance
-    if not (near < chamber.x[0] < side + near and last - side - near < chamber.x[1]):
+    """Requires that a chamber of a finger for elements ends within its segment's end pieces, and not at its clamp."""
+    side, near = END * scene.geometry.side, scene.outline.tolerance
+    first, last = next((a, b) for a, b in _rubber(scene) if chamber.x[1] <= b + near)
+    if not (near < chamber.x[0] - first < side + near and last - side - near < chamber.x[1]):
         raise ValueError(
-            f"chambers.{k}.x must begin within one side of the clamp, not at it, and end within one side of the plate, "
-            f"(0, {side:g}] and [{last - side:g}, {last:g}] m, where elements are trained (load), got {chamber.x}"
+            f"chambers.{k}.x must begin within one side of its segment's clamp, not at it, and end within one side of "
+            f"the plate, ({first:g}, {first + side:g}] and [{last - side:g}, {last:g}] m, where elements are trained "
+            f"(load), got {chamber.x}"
         )
 
 
@@ -154,11 +159,6 @@ def check_materials(scene: Scene) -> None:
                     f"materials.{k}.x must be at least a hundredth of the side ({least:g} m) long and end on the "
                     f"finger, at most at {scene.geometry.length:g} m, got {one.x}"
                 )
-            if scene.load is not None and (one.x[0] > 0 or one.x[1] < scene.outline.plates[-1][0]):
-                raise ValueError(
-                    f"materials.{k}.x must be left out of a scene with a load: rod elements have one section all along "
-                    f"the axis, got {one.x}"
-                )
         if one.centre is not None and one.size is not None:
             beyond = np.abs(one.centre) + np.array(one.size) / 2 - np.array(shape.extents) / 2
             if beyond.max() > scene.outline.tolerance:
@@ -172,7 +172,7 @@ def check_materials(scene: Scene) -> None:
 
 
 def _overlap(one: Material, other: Material, near: float) -> bool:
-    """Whether two materials share cells; groups of a file do not."""
+    """True if two materials share cells; groups of a file do not."""
     spans = [(0.0, np.inf) if part.x is None else part.x for part in (one, other)]
     if min(span[1] for span in spans) - max(span[0] for span in spans) <= near:
         return False

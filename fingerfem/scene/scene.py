@@ -1,4 +1,4 @@
-"""What is modelled: a scene, which is its tables and the rules between them."""
+"""Scene, the description of a model: its tables and the rules between them."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ class Scene(SceneTable):
 
     def _check_mesh(self, mesh: Mesh) -> None:
         lines_along(self.outline, mesh)
-        section_mesh(self.outline, mesh.cells[1], self.is_half)
+        section_mesh(self.outline, mesh.cells[1], self.is_half, mesh.order)
 
     @model_validator(mode="after")
     def _pressure_has_a_pad(self) -> Scene:
@@ -190,20 +190,20 @@ class Scene(SceneTable):
 
     @property
     def outline(self) -> GridOutline:
-        """What the mesh's grid lines have to meet."""
+        """Boundaries that the mesh's grid lines must follow."""
         pad = self.obstacle.pad if self.obstacle else None
         return GridOutline(self.geometry, self.tendons, pad, self.chambers, self.materials)
 
     @property
     def _is_mirrored(self) -> bool:
-        """Whether what may touch, and weight, are their own mirror images in z = 0."""
+        """True if obstacle and weight are their own mirror images in z = 0."""
         if self.gravity is not None and self.gravity.direction[2]:
             return False
         return self.obstacle is None or all(one.is_mirrored for one in self.obstacle.bodies)
 
     @property
     def is_half(self) -> bool:
-        """Whether only the half z >= 0 is modelled."""
+        """True if only the half z >= 0 is modelled."""
         if self.mesh.symmetry is not None:
             return self.mesh.symmetry
         return self.outline.is_planar and self.load is None and self._is_mirrored and self.geometry.shape.is_mirrored
@@ -215,7 +215,7 @@ class Scene(SceneTable):
 
     @property
     def densities(self) -> tuple[list[float], float] | None:
-        """Of the rubber and the other materials, and of plates [kg/m^3]; None of a scene that gives none."""
+        """Densities of the rubber and the other materials, and of plates [kg/m^3]; None if the scene gives none."""
         if self.density is not None:
             rubber, plates = self.density.rubber, self.density.plates
         elif self.gravity is not None and self.gravity.density is not None:

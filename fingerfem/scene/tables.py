@@ -45,7 +45,7 @@ class Geometry(SceneTable):
 
     @property
     def sizes(self) -> np.ndarray:
-        """Of the segments' plates over those of a finger without taper, shape (segments,) [-]."""
+        """Sizes of the segments' plates over those of a finger without taper, shape (segments,) [-]."""
         return geometry.sizes_of(self.model_dump())[1:]
 
     @property
@@ -55,12 +55,12 @@ class Geometry(SceneTable):
 
     @property
     def is_tapered(self) -> bool:
-        """Whether sections differ in size."""
+        """True if sections differ in size."""
         return bool((self.sizes != 1).any())
 
     @property
     def plates(self) -> list[tuple[float, float]]:
-        """Where every segment's plate begins and ends along x [m]."""
+        """Start and end of every segment's plate along x [m]."""
         return [(float(begin), float(end)) for begin, end in geometry.plates_of(self.model_dump())]
 
     def size_at(self, x: np.ndarray) -> np.ndarray:
@@ -69,7 +69,7 @@ class Geometry(SceneTable):
 
     @property
     def half_lengths(self) -> np.ndarray:
-        """Of every plate along its own axes, shape (segments, 3) [m]."""
+        """Half lengths of every plate along its own axes, shape (segments, 3) [m]."""
         return np.outer(self.sizes, [self.plate, *self.shape.extents]) / 2
 
     @property
@@ -118,7 +118,7 @@ class Geometry(SceneTable):
 
 
 class Placed(SceneTable):
-    """What has a region in the section: a rectangle has a centre and a size, others have neither."""
+    """Part with a region in the section: a rectangle has a centre and a size, others have neither."""
 
     region: str
     centre: Annotated[list[Offset], Field(min_length=2, max_length=2)] | None = None  # of a rectangle, (y, z) [m]
@@ -126,7 +126,7 @@ class Placed(SceneTable):
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether it is its own mirror image in z = 0; of a group, the file decides."""
+        """True if the part is its own mirror image in z = 0; for a group, the file decides."""
         return self.centre is None or self.centre[1] == 0
 
     @model_validator(mode="after")
@@ -200,7 +200,7 @@ WRENCH = (("fx", "N"), ("fy", "N"), ("fz", "N"), ("mx", "N m"), ("my", "N m"), (
 
 
 class Load(SceneTable):
-    """What may press on the plates, in place of an obstacle: forces of any direction, anywhere on a plate."""
+    """Loads of the plates, in place of an obstacle: forces of any direction, anywhere on a plate."""
 
     force: Annotated[float, Field(gt=0, le=1e4)]  # largest on a plate [N]
     friction_angle: Annotated[float, Field(ge=0, le=1.5)] = 0.0  # most between a force and its surface's normal [rad]
@@ -232,7 +232,7 @@ Quantity = Literal["displacement", "pad_pressure", "channel_shortening"]
 
 
 class Sampling(SceneTable):
-    """How finely the parameters are sampled for training: nodes along every tension and along contact, a grid.
+    """Density of the parameters' sampling for training: nodes along every tension and along contact, a grid.
 
     A scene with a load has `lines` at tensions of their own in place of a grid, each of a free state and of `wrenches`
     pressed ones. Tip, contact force and touch distance of a state, or its plates' poses, are always kept; `store` says
@@ -258,7 +258,7 @@ class Coarse(SceneTable):
 
 
 class Expected(SceneTable):
-    """What the mesh and lines that an accuracy, a budget or a preset chose are expected to give, see presets.
+    """Expected error and cost of the mesh and lines that an accuracy, a budget or a preset chose, see presets.
 
     The error is relative [-], of the contact force or, where nothing touches, of the displacement, at the 95th
     percentile of states on the finger that the front was measured on. No error is expected with more tendons than were

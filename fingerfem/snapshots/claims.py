@@ -21,7 +21,7 @@ logger = logging.getLogger(__name__)
 
 
 class Claims(Protocol):
-    """What says who works on which task; a context that gives back what is still held."""
+    """Record of the processes that work on tasks; a context that gives back the claims still held."""
 
     def take(self, i: int) -> bool:
         """Claim task i; False if somebody else holds it."""
@@ -143,13 +143,13 @@ class ClaimFiles:
 
 
 def _machine() -> str:
-    """Where a process number means the same process: this boot of this machine, in this container."""
+    """Scope in which a process number is unique: this boot of this machine, in this container."""
     boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     return f"{boot}/{os.stat('/proc/self/ns/pid').st_ino}"
 
 
 def _started(pid: int) -> str:
-    """When a process began [ticks since boot], empty if there is none: two processes may have one number in turn."""
+    """Start of a process [ticks since boot], empty if there is none: two processes may have one number in turn."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
     except OSError:

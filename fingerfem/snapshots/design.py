@@ -1,4 +1,4 @@
-"""What a set is of: the finger at rest, and the parameters to solve, nodes of a training set or held-out points."""
+"""Design of a set: the finger at rest, and the parameters to solve, nodes of a training set or held-out points."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def _lead(scene: Scene) -> int:
 
 def _rubber(scene: Scene) -> PlaneMesh:
     """The mesh of a section without its chambers."""
-    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half)
+    mesh = section_mesh(scene.outline, scene.mesh.cells[1], scene.is_half, scene.mesh.order)
     solid = ~np.isin(mesh.tags, [cavity.tag for cavity in scene.outline.cavities])
     return replace(mesh, quads=mesh.quads[solid], tags=mesh.tags[solid])
 

@@ -32,7 +32,7 @@ from rom.elements.fitting import growth
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What is to be solved.
+    """Request for the states of a set.
 
     Attributes:
         scene: of the finger.
@@ -67,7 +67,7 @@ class Request:
 
     @property
     def grows(self) -> bool:
-        """Whether states are added as the error of the elements needs them."""
+        """True if states are added as the error of the elements needs them."""
         return self.until is not None or math.isfinite(self.budget)
 
 
@@ -105,7 +105,7 @@ class Job:
 
     @property
     def is_first(self) -> bool:
-        """Whether this is the first rank, which reports."""
+        """True on the first rank, which reports."""
         return bool(self.world.rank == 0)
 
     def run(self, progress: str) -> dict[str, Any]:
@@ -133,12 +133,12 @@ class Job:
 
     @property
     def is_unusable(self) -> bool:
-        """Whether states failed that a model needs: it can do without a held-out one, or one that was added."""
+        """True if states failed that a model needs: it can do without a held-out one, or one that was added."""
         needed = [task for task, *_ in self.ledger.failures if task in self.description.lines]
         return bool(needed) and not (self.request.held_out and self.ledger.summary()["solved"])
 
     def _next_round(self, error: float) -> Round:
-        """What the set needs next for a relative error [-]."""
+        """Next round of lines that the set needs for a relative error [-]."""
         return growth.next_round(SnapshotSet(self.request.folder), error)
 
     def _group(self) -> MPI.Comm:

@@ -1,6 +1,6 @@
-"""What became of every state of a set: solved, failed and why, given up after the third death, or still to do.
+"""Outcomes of every state of a set: solved, failed and why, given up after the third death, or still to do.
 
-What is solved or failed stands in the tasks' files. Attempts that have not ended stand in `attempts/TASK`, one line
+Solved and failed states stand in the tasks' files. Attempts that have not ended stand in `attempts/TASK`, one line
 each: a process that dies leaves its line behind. One that was asked to end by a signal is no death, even if it was
 killed before it could take its line back: the number of the signal, a byte, follows the line.
 """
@@ -21,14 +21,14 @@ from rom.dataset.plan import Plan
 from rom.dataset.snapshot_set import Description, SnapshotError, read_task, task_file
 
 DEATHS = 3  # of processes at one task, after which nobody tries it again
-# What follows the note of a process that was asked to end. mpirun and scancel send SIGCONT before SIGTERM, which METIS
+# Signs after the note of a process that was asked to end. mpirun and scancel send SIGCONT before SIGTERM, which METIS
 # catches for itself while CHOLMOD orders unknowns: its handler leaves Python's none to see.
 ASKED = tuple(map(chr, (signal.SIGINT, signal.SIGTERM, signal.SIGCONT)))
-QUARANTINED = "quarantined"  # how the reason of such states begins
+QUARANTINED = "quarantined"  # start of the reason of such states
 
 
 def deaths(path: str | Path, task: str) -> int:
-    """How many processes died at a task nobody works on now."""
+    """Number of processes that died at a task nobody works on now."""
     try:
         notes = _attempts(path, task).read_text().split("\n")
     except OSError:
@@ -95,7 +95,7 @@ def sentence(description: Description, task: str, parameters: np.ndarray, last_g
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What became of a task.
+    """Outcome of a task.
 
     Attributes:
         states: how many it has.
@@ -113,7 +113,7 @@ class Outcome:
 
     @classmethod
     def read(cls, path: str | Path, task: str) -> Outcome:
-        """From a task's file, without its fields.
+        """Reads a task's file without its fields.
 
         Raises:
             SnapshotError: the file is no task's.
@@ -180,7 +180,7 @@ class Ledger:
         return failed
 
     def summary(self) -> dict[str, Any]:
-        """What there is to say about a set."""
+        """Numbers of a set's solved, failed and remaining states, with cost and size."""
         failures, size = self.failures, sum(outcome.size for outcome in self.outcomes.values())
         quarantined = sum(reason.startswith(QUARANTINED) for *_, reason in failures)
         rounds = self.plan.rounds

@@ -4,7 +4,7 @@ They are those of another set of the same finger. Those of another mesh are brou
 first. A converged state does not depend on where it began, to its tolerance
 (`tests/fingerfem/snapshots/lines/test_held_out.py` compares).
 
-What a fit says of a field is no such state: from the field of a segment's map, some tenths of a millimetre off,
+The field of a fit is no such state: from the field of a segment's map, some tenths of a millimetre off,
 Newton's method ended at equilibria in which the rubber has crumpled, stable and wrong.
 """
 
@@ -72,7 +72,7 @@ class KnownSet:
                 points, fields = (part[touches == (kind == "contact")] for part in (points, fields))
             else:
                 points, fields = (snapshots.states_of(kind, name) for name in ("parameters", "displacement"))
-            known = np.isfinite(points).all(axis=1) | (kind == "free")  # where contact begins there is no plane yet
+            known = np.isfinite(points).all(axis=1) | (kind == "free")  # free states have no distance of a plane
             self._points[kind], self._fields[kind] = points[known], fields[known]
 
     def begin(

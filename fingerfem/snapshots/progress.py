@@ -1,4 +1,4 @@
-"""How far a set is: a bar on a terminal, else plain lines or JSON lines; always a log in the set's folder.
+"""Progress of a set: a bar on a terminal, else plain lines or JSON lines; always a log in the set's folder.
 
 A bar that is asked for under mpirun is drawn on the terminal itself: Open MPI passes on whole lines only, and a bar is
 none before its end.
@@ -32,7 +32,8 @@ class Reporter:
         console = Console(stderr=True)
         if self._terminal is not None:
             console = Console(file=self._terminal, width=os.get_terminal_size(self._terminal.fileno()).columns)
-        self._style = ("bar" if console.is_terminal else "plain") if style in ("auto", "bar") else style
+        shown = "bar" if console.is_terminal else "plain"
+        self._style = shown if style in ("auto", "bar") else style
         self._console = console
         self._log: IO[str] | None = None
         # 80 columns are 6 + 1 + 12 + 1 + 9 + 1 + 7 + 1 and 42 of a note, of long sets a little less.
@@ -94,7 +95,7 @@ class Reporter:
 
 
 def _note(row: dict) -> str:
-    """What stands behind the bar."""
+    """Text behind the bar: rate, failures and estimated error."""
     round_ = f", error {100 * row['estimated_error']:.2g} %" if "round" in row else ""
     return f"{row['rate']:.1f} states/s, {row['failed']} failed{round_}"
 

@@ -1,4 +1,4 @@
-"""What is kept of the states of a line, and what is said of those that have no answer."""
+"""Records of a line's states, and the reasons of those that have no answer."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class Recorder:
         self._rows.append(row)
 
     def restarted(self) -> None:
-        """Where the line broke is no reason any more: the model has been brought to an equilibrium."""
+        """Forgets where the line broke, as the model has been brought to an equilibrium."""
         self._broken = ""
 
     def broken(self, failure: LoadNotReached) -> None:
@@ -140,7 +140,7 @@ class Recorder:
         }
 
     def _solved(self, found: Sensitivities) -> dict[str, Any]:
-        """What is kept of the state that the model is in; fields on the model's first rank only."""
+        """Record of the model's present state; fields on the model's first rank only."""
         model, numbering, store = self._model, self._numbering, self._store
         field = numbering.gather(model.problem.displacement)
         row: dict[str, Any] = {"tip": model.problem.tip(), "tip_jacobian": self._padded(found.tip).T}
@@ -196,7 +196,7 @@ class Recorder:
         self.displacements.append(np.full_like(self._model.problem.displacement, np.nan))
 
     def _parameters(self, tensions: np.ndarray, distance: float, wrenches: np.ndarray | None = None) -> np.ndarray:
-        """In the scene's order."""
+        """Parameters in the scene's order."""
         if self._model.scene.load is not None:
             pressed = np.zeros_like(self._model.problem.wrenches) if wrenches is None else wrenches
             return np.concatenate([tensions, np.ravel(pressed)])

@@ -60,7 +60,7 @@ class Donor:
 
 
 def _place(nodes: list, value: Any) -> int | None:
-    """Where a value, or a tuple of values, is among nodes; None if it is not."""
+    """Index of a value, or a tuple of values, among nodes; None if it is not there."""
     table = np.array(nodes, float).reshape(len(nodes), -1)
     same = np.isclose(table, np.reshape(value, -1), rtol=1e-12, atol=1e-12 * max(np.abs(table).max(initial=0), 1e-300))
     found = np.flatnonzero(same.all(axis=1))

@@ -27,7 +27,7 @@ class Strokes:
         self._rest = at_rest["section_place"], at_rest["section_place_jacobian"]
 
     def quantities(self, changes: np.ndarray, sections: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Those of the state that the model is in, and their derivatives, as `rom.dataset.schema` names them.
+        """Strokes of the model's present state, and their derivatives, as `rom.dataset.schema` names them.
 
         Args:
             changes: of the displacement by p parameters, this rank's owned values, shape (p, owned values) [m].

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class Goal:
-    """When to stop.
+    """Stopping criteria of the work on a set.
 
     Attributes:
         next_round: what a set that grows needs next for a relative error [-].
@@ -45,7 +45,7 @@ class Goal:
 
 @dataclass
 class Work:
-    """What a group of ranks did: lines of states, the time solving them took, and the time in all [s].
+    """Work that a group of ranks did: lines of states, the time solving them took, and the time in all [s].
 
     If it did not end because all is done, `stopped` says why.
     """
@@ -96,7 +96,7 @@ def run(
 
 
 def on_first(comm: MPI.Comm, call: Callable[[], T]) -> T:
-    """What a call returns on the first rank, on every rank; what it raises there, all raise."""
+    """Calls on the first rank; returns its result, or raises its error, on every rank."""
     answer, error = None, None
     if comm.rank == 0:
         try:
@@ -157,7 +157,7 @@ class Queue:
             time.sleep(0.05)  # others hold what is left, or what it needs
 
     def _complete(self) -> bool:
-        """Whether there is nothing left to do; if there may be, one of all plans the next round."""
+        """True if there is nothing left to do; else one of all ranks plans the next round."""
         plan, next_round = self._plan, self._goal.next_round
         if next_round is None or plan.ended(self._goal.error):
             return True

@@ -1,10 +1,10 @@
-"""What an object may press on a plate with: wrenches in the plate's frame, drawn for training and for held-out states.
+"""Wrenches of objects on plates, in the plate's frame, drawn for training and for held-out states.
 
 A rigid object touches a plate at the corner that lies deepest in it, or along an edge, or on a face: where the plate's
 own surface is normal to the object's, or a corner of it may be. So every wrench is one force at one point of the
 plate's surface, along the inward normal there or turned from it by friction. A segment that follows passes forces on
-that act elsewhere, as far as it reaches. Where elements shall serve longer fingers, half of the wrenches have a moment
-of any direction beside the force: the larger the one, the smaller the other.
+that act elsewhere, as far as it reaches. For elements of longer fingers, half of the wrenches have a moment of any
+direction beside the force: the larger the one, the smaller the other.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def _directions(height: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def _points(normal: np.ndarray, half: np.ndarray, drawn: np.ndarray) -> np.ndarray:
-    """Where a plate is touched along normals, shape (n, 3) [m]: the corner there, or a point on an edge or a face."""
+    """Points where a plate is touched along normals, shape (n, 3) [m]: its corner, or a point on an edge or a face."""
     points = -np.sign(normal) * half
     kind, elsewhere = drawn[:, 0], half * (2 * drawn[:, [1, 2]] - 1)[:, [0, 1, 0]]
     rank = np.argsort(np.argsort(np.abs(normal), axis=1), axis=1)  # 0 along the edge that the object is closest to

@@ -1,1 +1,1 @@
-"""What people read and type: tables, progress, interruption, and the lines that end a command."""
+"""Terminal input and output: tables, progress, interruption, and the lines that end a command."""

@@ -1,4 +1,4 @@
-"""What the command lines of rom and control share: exit codes, JSON, one line for bad input."""
+"""Shared code of rom's and control's command lines: exit codes, JSON, one line for bad input."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def show(result: dict[str, Any], parts: Iterable[Table | str], as_json: bool, co
 
 
 def check_parts(report: dict) -> list[Table | str]:
-    """What `rom check` found, for people."""
+    """Lines and tables with the results of `rom check`."""
     lines: list[Table | str] = []
     if "states" in report:
         kind = "training" if report.get("training") else "held-out"

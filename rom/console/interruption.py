@@ -16,12 +16,12 @@ class Interruption(SystemExit):
 
 
 def first_rank() -> bool:
-    """Whether this process is the one of its MPI job that speaks for all, or not under mpirun at all."""
+    """True for the first process of an MPI job, which reports for all, and without mpirun."""
     return os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMIX_RANK", "0")) == "0"
 
 
 def interruptible(line: str = NOTHING_KEPT) -> None:
-    """From here on Ctrl-C leaves all contexts, as an exception does, ends the process and says this line.
+    """Sets Ctrl-C to leave all contexts, as an exception does, to end the process and to print a line.
 
     Click would make "Aborted!" and exit code 1 of Python's own KeyboardInterrupt, and Python a traceback while it is
     still importing; so a command calls this before it imports what takes long, and again where something is kept.
@@ -41,7 +41,7 @@ def interruptible(line: str = NOTHING_KEPT) -> None:
 
 
 def _importing(frame: FrameType | None) -> bool:
-    """Whether this frame runs, directly or not, because a module is being imported."""
+    """True if this frame runs, directly or not, because a module is being imported."""
     while frame is not None:
         if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
             return True

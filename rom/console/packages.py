@@ -8,7 +8,7 @@ from types import TracebackType
 ENVIRONMENT = "docker/run python3 -m fingerfem ... has it"
 INSTALLED = "pip install -e . installs it; python3 -m fingerfem.doctor lists all that is missing"
 TRAINING = f"{ENVIRONMENT}, or pip install -e '.[train]'"
-# What has a package, by its name; the names of those that pip installs anyway are in REQUIRED.
+# Sources of packages, by name; the names of those that pip installs anyway are in REQUIRED.
 REMEDIES = {
     **dict.fromkeys(("dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"), ENVIRONMENT),
     **dict.fromkeys(("pydantic", "rich", "matplotlib", "pyvista", "vtkmodules", "PIL"), TRAINING),

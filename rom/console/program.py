@@ -1,4 +1,4 @@
-"""How a command begins and ends: Ctrl-C, bad input, a warning and a missing package are one line each.
+"""Begin and end of a command: Ctrl-C, bad input, a warning and a missing package are one line each.
 
 Output fits its encoding.
 
@@ -24,7 +24,7 @@ PLAIN = "fingerfem.plain"  # name of the error handler of `codecs`
 
 
 def begin() -> None:
-    """From here on Ctrl-C and an import that fails end the process in one line, and no character stops its output."""
+    """Sets Ctrl-C and failing imports to end the process in one line, and its output to accept all characters."""
     interruptible()  # what comes next may take seconds to import
     sys.excepthook = _explain
     warnings.showwarning = _warn
@@ -70,7 +70,7 @@ def _end(reason: str, code: int) -> NoReturn:
 
 
 def _explain(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-    """What Python calls for an exception that nobody catches: an import at the top of a command, for example."""
+    """Reports an uncaught exception; that of a missing package as one line. Installed as `sys.excepthook`."""
     reason = explained(error) if isinstance(error, ImportError) else None
     if reason is None:
         sys.__excepthook__(kind, error, trace)
@@ -79,7 +79,7 @@ def _explain(kind: type[BaseException], error: BaseException, trace: TracebackTy
 
 
 def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-    """What Python calls for a warning: one line, by the first rank."""
+    """Prints a warning as one line, on the first rank. Installed as `warnings.showwarning`."""
     if first_rank():
         say(str(message) if category is UserWarning else f"{category.__name__}: {message}")
 

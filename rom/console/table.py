@@ -48,7 +48,7 @@ class Table:
 
     @property
     def text(self) -> str:
-        """In columns: the first begins where all do, the others end there."""
+        """Text in columns: cells of the first are aligned left, others right."""
         whole = [self.header, *self.rows]
         widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
         lines = [
@@ -67,7 +67,7 @@ class Table:
 
     @property
     def html(self) -> str:
-        """For a notebook."""
+        """HTML for a notebook."""
         head = "".join(f"<th>{html.escape(cell)}</th>" for cell in self.header)
         body = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in self.rows)
         title = f"<caption>{html.escape(self.title)}</caption>" if self.title else ""
@@ -120,7 +120,7 @@ def millimetres(values: Iterable[float]) -> str:
 
 
 def shown(unit: str) -> tuple[float, str]:
-    """Of a unit: factor, and the unit that people read."""
+    """Factor from an SI unit to the unit that tables show, and that unit."""
     return SHOWN.get(unit, (1.0, unit))
 
 

@@ -1,4 +1,4 @@
-"""What people read while a command works: lines that fit the window; a bar on a terminal, in a pipe lines instead."""
+"""Output while a command works: lines that fit the window, and a bar on a terminal, or lines in a pipe."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from typing import Protocol, TextIO
 
 EVERY = 10.0  # [s] between two lines of progress where there is no bar
-# What stands for characters that the encoding of an output does not have.
+# Substitutes for characters that the encoding of an output does not have.
 PLAIN = {"µ": "u", "±": "+-"}
 
 
@@ -22,7 +22,7 @@ class Progress(Protocol):
     """Receives how far a step is; long functions take one."""
 
     def __call__(self, step: str, done: int, total: int) -> None:
-        """Of a step, `done` parts of `total` are done; a total of 0 is not known."""
+        """Reports that `done` parts of `total` of a step are done; a total of 0 is undetermined."""
 
 
 def quiet(step: str, done: int, total: int) -> None:
@@ -67,7 +67,7 @@ def _has(encoding: str, character: str) -> bool:
 
 
 def replacement(character: str) -> str:
-    """What stands for a character in ASCII: itself without accents, or a question mark."""
+    """ASCII substitute of a character: itself without accents, or a question mark."""
     plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
     return PLAIN.get(character) or plain or "?"
 
@@ -88,7 +88,7 @@ class Lines(logging.StreamHandler):
 
     @property
     def stream(self) -> TextIO:
-        """Where lines go now."""
+        """Current standard error stream, which lines are written to."""
         return sys.stderr
 
     def format(self, record: logging.LogRecord) -> str:

@@ -13,7 +13,7 @@ from rom.files.atomic_file import write_whole
 
 
 def body_file(path: str | Path) -> Path:
-    """Where the finger at rest is, or will be."""
+    """File of a set's finger at rest; it need not exist yet."""
     return Path(path) / "body.npz"
 
 
@@ -38,7 +38,7 @@ class RestBody:
 
     @property
     def tolerance(self) -> float:
-        """How near to each other two coordinates are the same [m]."""
+        """Largest difference of coordinates that count as equal [m]."""
         return SHARE * 2 * float(self.half_lengths[1])
 
     @property

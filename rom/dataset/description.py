@@ -1,4 +1,4 @@
-"""What a snapshot set holds: scene, parameters and nodes, from which follow its first tasks."""
+"""Contents of a snapshot set: scene, parameters and nodes, which determine its first tasks."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Line:
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Description:
-    """What a set holds; equal descriptions hold equal numbers.
+    """Contents of a snapshot set; sets with equal descriptions hold equal numbers.
 
     Attributes:
         scene: the scene as plain data, with its fingerprint.
@@ -92,7 +92,7 @@ class Description:
 
     @property
     def has_obstacle(self) -> bool:
-        """Whether the scene has a plane."""
+        """True if the scene has a plane."""
         return self.parameters[-1]["name"] == "d"
 
     @property
@@ -102,7 +102,7 @@ class Description:
 
     @property
     def has_field(self) -> bool:
-        """Whether the displacement of all nodes is stored."""
+        """True if the displacement of all nodes is stored."""
         return "displacement" in self.stored
 
     @property
@@ -112,7 +112,7 @@ class Description:
 
     @property
     def has_load(self) -> bool:
-        """Whether wrenches press on the scene's plates."""
+        """True if wrenches press on the scene's plates."""
         return self.scene.get("load") is not None
 
     @cached_property
@@ -128,7 +128,7 @@ class Description:
 
     @property
     def refines(self) -> bool:
-        """Whether lines are added round by round."""
+        """True if lines are added round by round."""
         return self.begins_with > 0
 
     @cached_property
@@ -151,7 +151,7 @@ class Description:
         return [tuple(points) for _, points in together]
 
     def has(self, line: Line) -> bool:
-        """Whether a line can be added to this set: whether it is one of its sequence of pressed lines."""
+        """True if a line can be added to this set: it is one of its sequence of pressed lines."""
         return (
             line.kind == "pressed"
             and 0 <= line.index[0] < len(self.wrenches)

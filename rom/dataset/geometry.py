@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from rom.dataset.grid import SHARE
 
 END = 1.0  # length of rubber in a clamp or plate piece, over the side: nearer, the section cannot warp freely [-]
 
@@ -17,16 +19,26 @@ def sizes_of(geometry: Mapping[str, Any]) -> np.ndarray:
 
 
 def plates_of(geometry: Mapping[str, Any]) -> np.ndarray:
-    """Where every segment's plate begins and ends along the finger, shape (segments, 2) [m]."""
+    """Start and end of every segment's plate along the finger, shape (segments, 2) [m]."""
     ends = np.cumsum(geometry["segments"])
     return np.column_stack([ends - geometry["plate"] * sizes_of(geometry)[1:], ends])
 
 
+def rubber_of(geometry: Mapping[str, Any]) -> np.ndarray:
+    """Start and end of every segment's rubber along the finger, shape (segments, 2) [m]."""
+    plates = plates_of(geometry)
+    return np.column_stack([np.append(0.0, plates[:-1, 1]), plates[:, 0]])
+
+
+def is_all_along(geometry: Mapping[str, Any], x: Sequence[float] | None) -> bool:
+    """True if a part of the axis, from and to [m], contains all rubber; None does."""
+    return x is None or (x[0] <= 0 and x[1] >= plates_of(geometry)[-1, 0] * (1 - SHARE))
+
+
 def steepest(geometry: Mapping[str, Any], side: float) -> float:
     """Largest change of a side, that at the clamp [m], per length of rubber [-]."""
-    sizes, plates = sizes_of(geometry), plates_of(geometry)
-    rubber = plates[:, 0] - np.append(0.0, plates[:-1, 1])
-    return float(side * np.max(np.abs(np.diff(sizes)) / rubber))
+    lengths = np.diff(rubber_of(geometry))[:, 0]
+    return float(side * np.max(np.abs(np.diff(sizes_of(geometry))) / lengths))
 
 
 def size_at(geometry: Mapping[str, Any], x: ArrayLike) -> np.ndarray:

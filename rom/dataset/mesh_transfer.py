@@ -11,10 +11,11 @@ from scipy.sparse import csr_matrix
 from scipy.spatial import Delaunay, cKDTree
 
 from rom.dataset.description import NOT_OF_THE_FINGER, difference
-from rom.dataset.grid import SHARE, levels
+from rom.dataset.grid import levels
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 
 OWN = (*NOT_OF_THE_FINGER, "mesh")  # keys of a scene that may differ
+WHOLE = 1.5  # extents of the fine mesh over the coarse one's: between those of circles of few cells, and of a half [-]
 FLAT = 1e-6  # area of a triangle over the largest one's, below which it holds no point [-]
 
 
@@ -43,7 +44,7 @@ def interpolation(coarse: np.ndarray, fine: np.ndarray) -> Callable[[np.ndarray]
     Raises:
         SnapshotError: the coarse mesh is not swept, or is of a half of the other finger.
     """
-    if (np.ptp(fine, axis=0) > (1 + SHARE) * np.ptp(coarse, axis=0)).any():
+    if (np.ptp(fine, axis=0) > WHOLE * np.ptp(coarse, axis=0)).any():
         raise SnapshotError("both meshes must be of the same part of the finger, got a half and a whole one")
     lines, layer = levels(coarse[:, 0])
     each, count = np.bincount(layer), len(coarse) // len(lines)

@@ -18,7 +18,7 @@ from rom.files.atomic_file import write_whole
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Round:
-    """What is added to a set next.
+    """Lines of states that are added to a set next.
 
     Attributes:
         error: estimated relative error of a model of all states before [-].
@@ -40,7 +40,7 @@ class PlanError(ValueError):
 
 
 def round_file(path: str | Path, number: int) -> Path:
-    """Where a round is, or will be."""
+    """File of a round; it need not exist yet."""
     return Path(path) / "rounds" / f"{number:04d}.json"
 
 
@@ -91,7 +91,7 @@ class Plan:
             round_file(self._path, len(self.rounds)).unlink(missing_ok=True)
 
     def ended(self, error: float) -> bool:
-        """Whether no round is to follow for a relative error [-]."""
+        """True if no round is to follow for a relative error [-]."""
         last = self.rounds[-1] if self.rounds else None
         return last is not None and not last.lines and (last.finest or last.stalled or last.error <= error)
 

@@ -20,7 +20,7 @@ from rom.brief import brief
 
 @brief
 class BaseMotion(NamedTuple):
-    """How the base moves, in its own axes: acceleration [m/s^2], angular velocity [rad/s] and its rate [rad/s^2]."""
+    """Motion of the base in its own axes: acceleration [m/s^2], angular velocity [rad/s] and its rate [rad/s^2]."""
 
     acceleration: np.ndarray
     spin: np.ndarray

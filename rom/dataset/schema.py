@@ -122,7 +122,7 @@ def sizes(*, segments: int, sections: int, tendons: int, actuators: int, nodes: 
 
 
 def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -> dict[str, Any]:
-    """Of a state without an answer: nan for every quantity in scope and its derivatives by all parameters, by name."""
+    """Arrays of nan, by name, for a state without an answer: quantities in scope and derivatives by all parameters."""
     found = {}
     for quantity in QUANTITIES:
         if quantity.scope not in scopes:
@@ -137,7 +137,7 @@ def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -
 
 
 def not_finite(arrays: Mapping[str, np.ndarray], converged: np.ndarray) -> str:
-    """Which quantity or derivative is nan or infinite in a converged state, in words; empty if none is.
+    """Description of a quantity or derivative that is nan or infinite in a converged state; empty if none is.
 
     Args:
         arrays: of a task, shapes (states, ...), by name.

@@ -35,7 +35,7 @@ class SnapshotError(ValueError):
 
 
 def read_description(path: str | Path) -> Description:
-    """What a set holds.
+    """Reads the description of a set.
 
     Raises:
         SnapshotError: it is no snapshot set, or one of another format.
@@ -56,7 +56,7 @@ def read_description(path: str | Path) -> Description:
 
 
 def task_file(path: str | Path, task: str) -> Path:
-    """Where a task's file is, or will be."""
+    """File of a task; it need not exist yet."""
     return Path(path) / "tasks" / f"{task}.npz"
 
 

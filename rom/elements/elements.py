@@ -58,7 +58,7 @@ class Elements:
         return count_of(self.scene)
 
     def error_factor(self, quantity: str) -> float:
-        """How many times the variants' deviation the estimated error of a quantity is [-]."""
+        """Ratio of a quantity's estimated error to the variants' deviation [-]."""
         return self.error_factors.get(quantity, UNCALIBRATED)
 
     def scaled(self, size: float, modulus: float) -> Elements:

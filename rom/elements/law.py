@@ -38,7 +38,7 @@ class ElementMap:
     deviations: Polynomial | None = None
 
     def deviation(self, inputs: np.ndarray) -> np.ndarray:
-        """Of the variants' poses, shape (n, variants, 6) [m, -]; beyond the box those of its nearest point."""
+        """Deviations of the variants' poses, shape (n, variants, 6) [m, -]; beyond the box at its nearest point."""
         if self.deviations is None:
             return np.zeros((len(inputs), 0, POSE))
         own = np.clip(combined(inputs, self.tension_map), self.deviations.lower, self.deviations.upper)
@@ -67,12 +67,12 @@ class ElementMap:
 
 
 def scales_of(loads: int, pressures: int, size: float, modulus: float) -> np.ndarray:
-    """How many times as large loads are in a similar finger, the last of them pressures, shape (loads,) [-]."""
+    """Ratios of loads in a similar finger, the last ones of pressures, shape (loads,) [-]."""
     return np.repeat([modulus * size**2, modulus], [loads - pressures, pressures])
 
 
 def wrench_scales(size: float, modulus: float) -> np.ndarray:
-    """How many times as large a wrench is in a similar finger, shape (6,) [-]."""
+    """Ratios of a wrench's components in a similar finger, shape (6,) [-]."""
     return np.repeat([modulus * size**2, modulus * size**3], 3)
 
 
@@ -120,7 +120,7 @@ class ElementLaw:
 
     @property
     def has_lengths(self) -> bool:
-        """Whether it is a law of several lengths."""
+        """True if the law is one of several lengths."""
         return self.lengths[0] < self.lengths[1]
 
     def of_length(self, length: float) -> ElementMap:

@@ -1,4 +1,4 @@
-"""What is relied on in elements that are read from a file: refused by name and rule."""
+"""Checks of elements that are read from a file: a fault is refused by name and rule."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rom.files.checked_file import require
 KINDS = ({CLAMP, PLATE}, {CLAMP, INTERIOR, PLATE}, {WHOLE})
 WRENCH = 6
 FACTORS = "error_factors must be finite and above 0"
-# What of the prediction of lines that were left out is shown and used.
+# Errors of predicted left-out lines that are shown and used.
 LEFT_OUT = (("contact_force", "median"), ("contact_force", "p95"), ("free_place_m", "median"), ("free_place_m", "p95"))
 
 

@@ -123,7 +123,7 @@ def march(elements: Sequence[ElementMap], tensions: np.ndarray, wrenches: np.nda
 
 
 def wrench_inside(element: ElementMap, wrenches: np.ndarray) -> np.ndarray:
-    """Whether wrenches, shape (n, 6), lie in an element's box, and their forces are none larger than was trained."""
+    """True for wrenches, shape (n, 6), in an element's box with forces no larger than trained; shape (n,)."""
     lower, upper = element.polynomial.lower[-6:], element.polynomial.upper[-6:]
     size = np.linalg.norm(wrenches[:, :3], axis=1)
     within = ((lower <= wrenches) & (wrenches <= upper)).all(axis=1)

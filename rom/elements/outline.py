@@ -120,7 +120,7 @@ def _images(states: SectionStates, tension_map: TensionMap) -> list[Mirror]:
     """The mirrors of a finger, which exchange the corners of its cross-sections."""
     found, t = [], states.tensions
     for mirror in states.mirrors:
-        exchange = ((CORNERS @ mirror.section.T)[:, None] == CORNERS[None]).all(axis=2)  # where each corner goes
+        exchange = ((CORNERS @ mirror.section.T)[:, None] == CORNERS[None]).all(axis=2)  # the image of each corner
         polar = mirror.inputs[t : t + 3, t : t + 3]
         values = np.kron(exchange.T.astype(float), polar)
         found.append(replace(mirror.combined(tension_map).with_length(), values=values))
@@ -167,7 +167,7 @@ def _along(samples: Samples, tension_map: np.ndarray) -> np.ndarray:
 def _equations(
     samples: Sequence[Samples], tension_map: TensionMap, tensions: np.ndarray, images: Sequence[Mirror], folds: int
 ) -> NormalEquations:
-    """Those of the highest degree, up to DEGREE, with MOST products at most."""
+    """Normal equations of the highest degree, up to DEGREE, with MOST products at most."""
     distances, degree = [one.length for one in samples], DEGREE
     lower, upper = box(samples, tension_map.matrix, tensions, images)
     lower, upper = np.append(lower, min(distances)), np.append(upper, max(distances) * (1 + SHARE))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,16 +19,24 @@ MOST_ELEMENTS = LIBRARY.constants.FINGERFEM_MOST_ELEMENTS  # of a segment
 class Piece(NamedTuple):
     """An element of a segment: its kind, and its length at rest [m].
 
-    `ends` are the sizes of its distal and of its proximal section, over those of a finger without taper [-].
+    `ends` are the sizes of its distal and of its proximal section, over those of a finger without taper [-]. `material`
+    names another material than the segment's rubber, which is `modulus` times as stiff [-]. `hindered` are shares of a
+    clamp's effect at both ends, see `rom.elements.transition`.
     """
 
     kind: str
     length: float
     ends: tuple[float, float] = (1.0, 1.0)
+    material: str | None = None
+    modulus: float = 1.0
+    hindered: tuple[float, float] = (0.0, 0.0)
+
+    def __str__(self) -> str:
+        return self.kind if self.material is None else f"{self.kind} ({self.material}, {self.modulus:g} x as stiff)"
 
     @property
     def size(self) -> float:
-        """Of the prismatic element that stands for it [-]: of the same compliance in bending by a tendon.
+        """Size of the prismatic element that replaces it [-]: one of equal compliance in bending by a tendon.
 
         A curvature by a tendon goes with 1 / size^3, of which this is the mean.
         """
@@ -35,20 +44,23 @@ class Piece(NamedTuple):
         return float((2 * (distal * proximal) ** 2 / (distal + proximal)) ** (1 / 3)) if distal != proximal else distal
 
 
-def pieces(lengths: Mapping[str, tuple[float, float]], length: float) -> list[Piece]:
+def pieces(lengths: Mapping[str, tuple[float, float]], length: float, cuts: Sequence[float] = ()) -> list[Piece]:
     """The elements between a clamp and a plate's centre, from the plate to the clamp.
 
-    Interior elements are as few as can be, and equally long.
+    Interior elements are as few as can be, and equally long between two cuts.
 
     Args:
         lengths: shortest and longest of every kind of element [m].
         length: from the clamp to the plate's centre [m].
+        cuts: distances from the clamp at which interior elements end, ascending [m].
 
     Raises:
-        ModelError: these elements make no segment of this length.
+        ModelError: these elements make no segment of this length, or cannot end at a cut.
     """
     slack = SHARE * length
     if WHOLE in lengths:
+        if cuts:
+            raise ModelError(f"element must be cut at {cuts[0]:.6g} m from its clamp, got a finger in one piece")
         if abs(length - lengths[WHOLE][0]) > slack:
             raise ModelError(
                 f"segment must be {lengths[WHOLE][0]:.6g} m long from clamp to plate's centre, as these elements are "
@@ -73,9 +85,31 @@ def pieces(lengths: Mapping[str, tuple[float, float]], length: float) -> list[Pi
             f"segment must be at most {most:.6g} m long from clamp to plate's centre, of {MOST_ELEMENTS} elements, "
             f"got {length:.6g}"
         )
-    count = max(int(np.ceil(rest / lengths[INTERIOR][1] - SHARE)), 1) if rest > slack else 0
-    interior = [Piece(INTERIOR, rest / max(count, 1))] * count
+    interior, stops = list[Piece](), stops_of((lengths[CLAMP][0], length - lengths[PLATE][0]), cuts, slack)
+    for begin, end in pairwise(stops) if rest > slack else ():
+        count = max(int(np.ceil((end - begin) / lengths[INTERIOR][1] - SHARE)), 1)
+        interior = [Piece(INTERIOR, (end - begin) / count)] * count + interior
     return [Piece(PLATE, lengths[PLATE][0]), *interior, Piece(CLAMP, lengths[CLAMP][0])]
+
+
+def stops_of(ends: tuple[float, float], cuts: Sequence[float], slack: float) -> list[float]:
+    """Return where interior elements begin and end: between both ends, and at every cut, ascending [m].
+
+    Args:
+        ends: of the clamp piece, and where the plate piece begins [m].
+        cuts: ascending [m].
+        slack: distance from an end within which a cut is that end [m].
+
+    Raises:
+        ModelError: a cut within the clamp or the plate piece.
+    """
+    first, last = ends
+    if beyond := [one for one in cuts if not first - slack <= one <= last + slack]:
+        raise ModelError(
+            f"material must begin and end from {first:.6g} to {last:.6g} m from the segment's clamp, between its clamp "
+            f"and plate pieces, got {beyond[0]:.6g}"
+        )
+    return [first, *(one for one in cuts if first + slack < one < last - slack), last]
 
 
 def cut(own: list[Piece], parts: int) -> list[Piece]:
@@ -84,5 +118,12 @@ def cut(own: list[Piece], parts: int) -> list[Piece]:
     for piece in own:
         count = parts if piece.kind == INTERIOR else 1
         sizes = np.linspace(*piece.ends, count + 1).tolist()
-        found += [Piece(piece.kind, piece.length / count, (sizes[k], sizes[k + 1])) for k in range(count)]
+        part, (distal, proximal) = piece._replace(length=piece.length / count), piece.hindered
+        found += [
+            part._replace(
+                ends=(sizes[k], sizes[k + 1]),
+                hindered=(distal if k == 0 else 0.0, proximal if k == count - 1 else 0.0),
+            )
+            for k in range(count)
+        ]
     return found

@@ -58,6 +58,13 @@ class Polynomial:
         return replace(self, lower=lower, upper=upper, powers=powers, coefficients=coefficients)
 
     @staticmethod
+    def linear(lower: np.ndarray, upper: np.ndarray, slopes: np.ndarray) -> Polynomial:
+        """Slopes @ point, on a box; shapes (p,), (p,), (m, p)."""
+        powers = np.vstack([np.zeros(len(lower), int), np.eye(len(lower), dtype=int)])
+        coefficients = np.vstack([slopes @ (lower + upper) / 2, (slopes * (upper - lower) / 2).T])
+        return Polynomial(lower=lower, upper=upper, powers=powers, coefficients=coefficients)
+
+    @staticmethod
     def together(polynomials: Sequence[Polynomial]) -> Polynomial:
         """Polynomials on one box as one of all their values."""
         powers = max((one.powers for one in polynomials), key=len)
@@ -66,11 +73,11 @@ class Polynomial:
 
     def plus(self, other: Polynomial) -> Polynomial:
         """The sum with a polynomial on the same box."""
-        powers = max(self.powers, other.powers, key=len)
+        powers = np.unique(np.concatenate([self.powers, other.powers]), axis=0)
         return replace(self, powers=powers, coefficients=self._by(powers) + other._by(powers))
 
     def _by(self, powers: np.ndarray) -> np.ndarray:
-        """Its coefficients by powers among which its own are."""
+        """Coefficients by powers that include the polynomial's own."""
         places = {tuple(row): k for k, row in enumerate(powers.tolist())}
         found = np.zeros((len(powers), self.coefficients.shape[1]))
         found[[places[tuple(row)] for row in self.powers.tolist()]] = self.coefficients

@@ -12,20 +12,27 @@ So the proximal section, seen from the distal one, turns about a centre offset f
 by p (l^2/4 - c E I) under tendons, and by p l^2/3 under m. Under f it turns by p l^3 / (3 E I) more. The size of an
 element has the mean of 1 / s^3; the mean of 1 / s^4, for moments, is larger by (p l)^2 / 6.
 
+If the neutral axis is off the section's centre, an axial force N at the centre bends as a tendon does: k = K N at
+rest. It has no component across the axis, so it does not shear; all tendons and N together shear by -c p E I (k - K N),
+with the axial forces of tendons in N.
+
 `c E I` is that of the interior element: no constant is fitted. Errors by section and taper: docs/accuracy.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from rom.dataset.grid import SHARE
 from rom.elements.elements import CLAMP, INTERIOR, PLATE
 from rom.elements.law import ElementLaw, ElementMap
-from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces
+from rom.elements.pieces import MOST_ELEMENTS, Piece, pieces, stops_of
+from rom.elements.polynomial import Polynomial
 from rom.files.checked_file import ModelError
 
 PLANES = (1, 5, 1), (2, 4, -1)  # of bending: indices of position and force, of rotation and moment; sign
@@ -48,19 +55,22 @@ class TaperedRubber(NamedTuple):
         return self.begin + (self.end - self.begin) * x / (self.length - self.end * self.half)
 
 
-def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRubber) -> list[Piece]:
-    """Return the elements of a segment; with a taper, interior elements have equal ratios of their end sizes.
+def tapered_pieces(
+    lengths: Mapping[str, tuple[float, float]], rubber: TaperedRubber, cuts: Sequence[float] = ()
+) -> list[Piece]:
+    """Return the elements of a segment; with a taper, interior elements between two cuts have equal ratios of sizes.
 
     Args:
         lengths: shortest and longest length of every kind of element at size 1 [m].
         rubber: of the segment.
+        cuts: distances from the clamp at which interior elements end, ascending [m].
 
     Raises:
-        ModelError: the segment is too short or too long, or there is no interior element.
+        ModelError: the segment is too short or too long, there is no interior element, or none can end at a cut.
     """
     if rubber.begin == rubber.end:
         own = {kind: (rubber.end * least, rubber.end * most) for kind, (least, most) in lengths.items()}
-        return [one._replace(ends=(rubber.end, rubber.end)) for one in pieces(own, rubber.length)]
+        return [one._replace(ends=(rubber.end, rubber.end)) for one in pieces(own, rubber.length, cuts)]
     if INTERIOR not in lengths:
         raise ModelError("taper needs an interior element, got none: train elements on a longer finger")
     length, (clamp, plate) = rubber.length, (lengths[kind][0] for kind in (CLAMP, PLATE))
@@ -74,18 +84,29 @@ def tapered_pieces(lengths: Mapping[str, tuple[float, float]], rubber: TaperedRu
             f"segment must be longer than {x[0] + length - x[1]:.6g} m from clamp to plate's centre, the length of its "
             f"clamp and plate pieces, got {length:.6g}"
         )
-    sizes, count = (rubber.size_at(x[0]), rubber.size_at(x[1])), 0
+    interior = list[Piece]()
+    for span in pairwise(stops_of(x, cuts, SHARE * length)):
+        interior = _frusta(rubber, span, lengths[INTERIOR][1]) + interior
+    if len(interior) > MOST_ELEMENTS - 2:
+        raise ModelError(f"segment must have at most {MOST_ELEMENTS} elements, got a length of {length:.6g} m")
+    return [last, *interior, first]
+
+
+def _frusta(rubber: TaperedRubber, span: tuple[float, float], longest: float) -> list[Piece]:
+    """Fewest interior elements between two distances from the clamp, from plate to clamp; at most MOST_ELEMENTS.
+
+    Their ratios of end sizes are equal, and their lengths at most `longest` times their size [m].
+    """
+    sizes = rubber.size_at(span[0]), rubber.size_at(span[1])
     interior = [Piece(INTERIOR, np.inf)]
-    while any(one.length > one.size * lengths[INTERIOR][1] for one in interior):
-        count += 1
-        if count > MOST_ELEMENTS - 2:
-            raise ModelError(f"segment must have at most {MOST_ELEMENTS} elements, got a length of {length:.6g} m")
+    while any(one.length > one.size * longest for one in interior) and len(interior) < MOST_ELEMENTS:
+        count = len(interior) + int(interior[0].length < np.inf)
         ends = np.geomspace(*sizes, count + 1)
-        at = x[0] + (x[1] - x[0]) * (ends - sizes[0]) / (sizes[1] - sizes[0])
+        at = span[0] + (span[1] - span[0]) * (ends - sizes[0]) / (sizes[1] - sizes[0])
         interior = [
             Piece(INTERIOR, float(at[k] - at[k - 1]), (float(ends[k]), float(ends[k - 1]))) for k in range(count, 0, -1)
         ]
-    return [last, *interior, first]
+    return interior
 
 
 def shear_by_bending(interior: ElementLaw) -> np.ndarray:
@@ -100,13 +121,14 @@ def shear_by_bending(interior: ElementLaw) -> np.ndarray:
     return np.array([length**2 / 6 + by[k, k] / (2 * by[turn, turn]) for k, turn, _ in PLANES])
 
 
-def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
+def tapered(element: ElementMap, piece: Piece, shear: np.ndarray, guided: np.ndarray) -> ElementMap:
     """Return a prismatic element with the corrections of its frustum.
 
     Args:
-        element: of the piece's size and length.
+        element: of the piece's size and length, by all loads.
         piece: length and end sizes.
         shear: c E I at size 1, shape (2,) [m^2], see `shear_by_bending`.
+        guided: 1 of tendons in channels, 0 of other loads, shape (t,).
     """
     law, length = element.polynomial, piece.length
     ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l
@@ -120,4 +142,11 @@ def tapered(element: ElementMap, piece: Piece, shear: np.ndarray) -> ElementMap:
         found[force, turn] *= 1 + ratio * 2 / 3
     for turn in range(3, 6):
         found[linear[turn], turn] *= 1 + ratio**2 / 6
-    return replace(element, polynomial=replace(law, coefficients=found))
+    # the axial force f_x - sum F, by the polynomial's inputs
+    axial = np.concatenate([-element.tension_map @ guided, np.eye(6)[0]])
+    rest, slopes = np.zeros((1, len(guided) + 6)), np.zeros((law.coefficients.shape[1], len(axial)))
+    at_rest = element.value_and_gradient(rest)[1][0][:, -6]
+    for (k, turn, sign), own in zip(PLANES, shear, strict=True):
+        slopes[k] = sign * ratio / length * own * piece.size**2 * 2 * at_rest[turn] * axial
+    corrected = replace(law, coefficients=found).plus(Polynomial.linear(law.lower, law.upper, slopes))
+    return replace(element, polynomial=corrected)

@@ -35,7 +35,7 @@ class File:
 
     @property
     def names(self) -> frozenset[str]:
-        """What it declares itself."""
+        """Names that the file itself declares."""
         return frozenset().union(*(one.names for one in self.own))
 
 
@@ -91,7 +91,7 @@ class Sources:
         return found
 
     def text(self, needed: str, prefix: str) -> str:
-        """What a text needs of the sources, renamed.
+        """Declarations of the sources that a text needs, renamed.
 
         Args:
             needed: C source text, with the names that headers have now.

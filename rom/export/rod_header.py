@@ -63,7 +63,7 @@ def rod_header(model: TouchedSegment, name: str) -> str:
 
 
 def _about(model: TouchedSegment) -> dict[str, str]:
-    """What people read of a model: its title, its parameters, where its plane is, and a point in contact."""
+    """Texts of a header's comment: the model's title, its parameters, its plane's position, and a point in contact."""
     lower, upper = model.limits
     point = lower.copy()
     point[model.lead] += EXAMPLE * (upper - lower)[model.lead]

@@ -1,6 +1,6 @@
 """C structs as they lie in memory of WebAssembly, whose addresses have 32 bits and are not known here.
 
-What Python's compiled code reads, so does the page's: no number is written twice.
+The page's compiled code reads the same structs as Python's: no number is written twice.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Image:
         return image, image._placed(address(root), owners(root), places)
 
     def _placed(self, at: int, owners: dict[int, Any], places: dict[int, int]) -> int:
-        """Where what lies at an address here lies in the image."""
+        """Address in the image of an object at an address of this process; places it there the first time."""
         if at not in places:
             owner = owners[at]
             kind = LIBRARY.ffi.typeof(owner)
@@ -79,7 +79,7 @@ def owners(root: Any) -> dict[int, Any]:
 
 
 def address(pointer: Any) -> int:
-    """Where it points to here."""
+    """Address that a pointer of this process holds."""
     return int(LIBRARY.ffi.cast("uintptr_t", pointer))
 
 

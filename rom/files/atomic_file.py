@@ -34,7 +34,7 @@ def atomic_file(file: Path, once: bool = False) -> Iterator[Path]:
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(file)) from None
     finally:
-        with contextlib.suppress(OSError):  # what stopped the file is what is reported
+        with contextlib.suppress(OSError):  # report the error that stopped the file
             beside.unlink(missing_ok=True)
 
 

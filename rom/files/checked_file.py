@@ -47,7 +47,7 @@ def save(path: Path, kind: str, number: int, write: Callable[[h5py.File], None])
 
 
 def load(path: Path, kind: str, number: int, read: Callable[[h5py.File], T]) -> T:
-    """What `read` finds in a file of a kind and format.
+    """Reads a file of a kind and format by `read`.
 
     Raises:
         ModelError: no file, none of this kind, a damaged one, or one of another format.

@@ -33,7 +33,7 @@ class Heading(NamedTuple):
 
     @property
     def text(self) -> str:
-        """As in the file."""
+        """Heading as in the file."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
@@ -121,7 +121,7 @@ def heading(cell: str) -> Heading:
 
 
 def factor(where: str, column: Heading, units: Mapping[str, float]) -> float:
-    """What a column's numbers are multiplied by to be in SI units.
+    """Factor from a column's unit to SI units.
 
     Raises:
         Refused: no unit, or one that is not of such a quantity.

@@ -28,5 +28,5 @@ LIBRARY = Library(
 
 
 def pointer(array: Any, kind: str = "double[]") -> Any:
-    """Where the numbers of a contiguous array of NumPy are, for a function of C."""
+    """Pointer to the numbers of a contiguous NumPy array, for a function of C."""
     return LIBRARY.ffi.from_buffer(kind, array)

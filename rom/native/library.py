@@ -61,7 +61,7 @@ class NoCompiler(OSError):
 
 @cache
 def processor() -> str:
-    """What the compiler may use of this machine's processor, as its -march option; empty for its own baseline."""
+    """Value of the compiler's -march option for this machine's processor; empty for its own baseline."""
     if platform.machine() != "x86_64" or not Path("/proc/cpuinfo").exists():
         return ""
     (flags, *_) = re.findall(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE) or [""]
@@ -168,7 +168,8 @@ class Library:
             except OSError as error:
                 raise NoCompiler(f"the C compiler must be there, got {command} ({error.strerror})") from None
             if done.returncode:
-                said = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[-1]
+                lines = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()
+                said = next((line for line in lines if "error:" in line), lines[-1])
                 raise NoCompiler(f"the C compiler must build {self.name}, got: {said} (from {command})")
             made.replace(target)
         return target
@@ -187,7 +188,7 @@ class Library:
 
     @cached_property
     def _aligned(self) -> Any:
-        """As `ffi.new`: arrays begin with a cache line, as vector loads that lie in two lines take twice the time."""
+        """Replacement of `ffi.new`: arrays begin with a cache line, as vector loads across two take twice the time."""
         from cffi import FFI
 
         own = FFI()
@@ -235,11 +236,11 @@ class Library:
 
 
 def kept_by(struct: Any) -> list[Any]:
-    """What a struct of a library, or an array of pointers to such, points to and keeps alive."""
+    """Objects that a struct of a library, or an array of pointers to such, points to and keeps alive."""
     return _kept.get(struct, [])
 
 
 def _cache() -> Path:
-    """Where built libraries are kept: apart for every C library, as a newer one's may not run with an older."""
+    """Folder of built libraries, one for every C library, as a newer one's may not run with an older."""
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return base / "fingerfem" / "-".join(["native", *platform.libc_ver()]).rstrip("-")

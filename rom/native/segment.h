@@ -103,6 +103,7 @@ typedef struct {
     const int32_t *place_elements;       /* (places - 1): of which element is the rubber from each to the next */
     const double *place_shares;          /* (places - 1): where its middle is, from the element's end, 0, to its begin, 1 */
     const double *element_lengths;       /* (elements): at rest [m] */
+    const double *element_moduli;        /* (elements): of its material over that of the segment's rubber [-] */
     double half_lengths[3];              /* of the plate along its own axes, and so of its section's box [m] */
     int32_t vertices;                    /* of the outline of the plate's section, a convex polygon with a margin; 0: the outline is the box */
     const double *polygon;               /* (vertices, 2): along y and z, counterclockwise [m] */
@@ -160,7 +161,8 @@ typedef struct {
 typedef struct {
     int32_t plates, tensions;
     const fingerfem_segment *const *segments;
-    const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's; the first has all */
+    const int32_t *own;  /* (plates, tensions): which of the tensions are a segment's */
+    const double *lower, *upper; /* (tensions): the box that all segments have in common [N, Pa] */
     double rest[3];      /* the tip plate's centre in the undeformed finger [m] */
     double gravity[3];   /* acceleration by weight, seen from the clamp [m/s^2]; zeros: nothing weighs */
     const double *masses;  /* of every segment: its plate's, then those of its elements, from the plate to the clamp [kg]; NULL: nothing weighs */
@@ -257,6 +259,12 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
 int32_t fingerfem_guides_memory(const fingerfem_chain *chain);
 int fingerfem_guides_advance(const fingerfem_touching *touching, const double *point, const int32_t *wound, double *memory, double *loads,
                              double *motors, double *work, int32_t *inside);
+
+/* Elements of a chain with guides, at its tensions, those of the motors, (tensions) [N], and loads, and under the acceleration by weight,
+ * (3) [m/s^2], or the chain's own if that is NULL: how much shorter every tendon is in each, (elements, tensions) [m], by how much more by the
+ * tension there at fixed wrench, likewise [m/N], and their bends, (elements) [rad]. Returns 0 if shortenings are not known. */
+int fingerfem_guides_elements(const fingerfem_chain *chain, const double *gravity, const double *motors, const double *loads, double *memory,
+                              double *shortenings, double *yielding, double *bends);
 
 /* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
  * the force along it on the finger [N]. */
@@ -355,10 +363,11 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
                    int32_t *inside, fingerfem_pressed *pressed);
 
-/* Mass matrix, and motions by wrenches, of all bodies in their own frames, (6 bodies, 6 bodies), at tensions without loads; of bodies from
- * the clamp to the tip. Returns 0 if there are more bodies than there is room for. */
-int fingerfem_linearise(const fingerfem_chain *chain, const fingerfem_inertia *inertia, const double *tensions, double *memory, double *mass,
-                        double *compliance);
+/* Mass matrix, and motions by wrenches, of all bodies in their own frames, (6 bodies, 6 bodies), from the clamp to the tip, about the
+ * equilibrium at a point, (tensions + count), of which the loads are those of `fingerfem_touch`; contacts that press stay closed. Returns 0
+ * if there are more bodies than there is room for, or no equilibrium. */
+int fingerfem_linearise(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *loads,
+                        double *memory, double *mass, double *compliance);
 
 /* The bodies at rest at tensions and loads, as `moving` of a first step, and what relaxes of so many branches; returns 0 if there are more
  * bodies than there is room for. */

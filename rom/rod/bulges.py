@@ -1,4 +1,4 @@
-"""How high pressure in a chamber lifts the face over it, at most: contact there is no part of a rod's model.
+"""Bound of the height by which pressure in a chamber lifts the face over it: a rod's model has no contact there.
 
 A chamber grows mostly towards the face over its thinnest wall, along which it is wide. Its growth per length, over its
 width, is at least the mean height of that wall; SHAPE times that bounds the height of the middle. In 80 held-out states
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rom.dataset.geometry import tip_at_rest
 from rom.dataset.sections.section import extent
 from rom.elements.law import POSE, ElementMap
 
@@ -21,7 +22,7 @@ THIN = 0.5  # thickness of a wall over the chamber's width along it, above which
 
 
 def bulges_of(
-    elements: Sequence[ElementMap], scene: Mapping[str, Any], size: float, trained: Sequence[int]
+    elements: Sequence[ElementMap], scene: Mapping[str, Any], size: float, trained: Sequence[int], length: float
 ) -> np.ndarray:
     """Heights of faces across y and across z under the highest pressures, shape (t, 2) [m].
 
@@ -32,6 +33,7 @@ def bulges_of(
         scene: the elements' own, as plain data.
         size: of the segment over the trained one's [-].
         trained: which of the elements' loads every load is.
+        length: of the segment from its clamp to its plate's centre [m].
     """
     found, tendons = np.zeros((len(trained), 2)), len(scene["tendons"])
     for j, k in enumerate(trained):
@@ -41,7 +43,8 @@ def bulges_of(
         inputs = np.zeros((1, len(trained) + 6))
         inputs[0, j] = elements[0].tensions[1, j]
         growth = sum(float(one.value(inputs)[0, POSE + k]) for one in elements)
-        span = size * (chamber["x"][1] - chamber["x"][0])
+        beyond = tip_at_rest(scene["geometry"])[0] - (chamber["x"][1] - chamber["x"][0])  # of the trained finger
+        span = length - size * beyond
         for axis in (0, 1):
             width = chamber["size"][1 - axis]
             wall = half - abs(chamber["centre"][axis]) - chamber["size"][axis] / 2

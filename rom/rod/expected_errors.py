@@ -4,22 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rom.brief import brief
 from rom.dataset.geometry import steepest
 from rom.dataset.sections.section import extent
-from rom.elements.elements import Elements
+from rom.elements.elements import INTERIOR, Elements
 from rom.elements.fitting.calibration import Floors, floors_of
+from rom.elements.taper import shear_by_bending
+from rom.rod.scene.materials_of_rod import along
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
 
-# What a taper adds, over the steepest change of the side per length: to the error of contact forces [-], of places and
-# of shortenings, over the finger's length [-], and of turns [rad]. Measured on tapers to 1:2 (docs/accuracy.md).
-FORCE, PLACE, SHORTENING, TURN = 0.05, 7e-3, 4e-3, 0.03
+
+class Added(NamedTuple):
+    """Additions by changes along the axis to errors of contact forces [-], positions [m], turns [rad], shortenings [m].
+
+    In constants, the lengths are over that of the finger.
+    """
+
+    contact_force: float
+    position: float
+    turn: float
+    shortening: float
+
+
+NOTHING = Added(0.0, 0.0, 0.0, 0.0)
+TAPER = Added(0.05, 7e-3, 0.03, 4e-3)  # over the steepest change of the side per length, to 1:2 (docs/accuracy.md)
+# Over the sum of s (1 - s) of all transitions between materials, with the share s of `rom.elements.transition`: none
+# where a neighbour is as stiff, or rigid. Measured at moduli of 0.5 to 100 and Poisson's ratio 0.3.
+TRANSITION = Added(0.02, 6e-3, 0.01, 2e-3)
+SOLID = (
+    0.29  # shear compliance times bending stiffness of solid sections of rubber, over the extent's square, at most [-]
+)
 AXES = 3  # along each of which the floor of a place acts
 
 
@@ -66,39 +86,51 @@ class ExpectedErrors:
 
 
 def expected_errors(
-    elements: Elements, kinds: Iterable[str], size: float, longer: float, tapered: tuple[float, float]
+    elements: Elements, kinds: Iterable[str], size: float, longer: float, added: Added = NOTHING
 ) -> ExpectedErrors:
-    """Those of a finger.
+    """Expected errors of a finger.
 
     Args:
         elements: as they were trained.
         kinds: of the finger's elements.
         size: the finger's over the trained one's [-].
         longer: the finger's length over the trained one's at this size [-].
-        tapered: steepest change of the finger's side per length [-], and that times its length [m].
+        added: by changes along the axis.
     """
     left_out = elements.provenance["left_out"]
-    longer, (slope, change) = max(longer, 1.0), tapered
+    longer = max(longer, 1.0)
     lever = size * longer**2
     place, force = floors_of(left_out)
-    position = float(left_out["free_place_m"]["p95"]) * lever + PLACE * change
+    position = float(left_out["free_place_m"]["p95"]) * lever + added.position
     return ExpectedErrors(
-        contact_force=float(left_out["contact_force"]["p95"]) + FORCE * slope,
+        contact_force=float(left_out["contact_force"]["p95"]) + added.contact_force,
         position=position,
-        turn=float(left_out["turn_rad"]["p95"]) * longer + TURN * slope,
-        shortening=float(left_out["shortening_m"]["p95"]) * size * longer + SHORTENING * change,
+        turn=float(left_out["turn_rad"]["p95"]) * longer + added.turn,
+        shortening=float(left_out["shortening_m"]["p95"]) * size * longer + added.shortening,
         growth=float(left_out.get("growth_m3", {"p95": 0.0})["p95"]) * size**3 * longer,
         surface=max(size * elements.outlines[kind].error for kind in kinds) + position,
-        floors=Floors(place * lever + PLACE * change, force + FORCE * slope),
+        floors=Floors(place * lever + added.position, force + added.contact_force),
     )
 
 
 def errors_of(rod: Rod) -> ExpectedErrors:
-    """Those of a finger; at least those on the log of its calibration."""
+    """Expected errors of a finger; at least those on the log of its calibration."""
     trained, geometry = sum(rod.elements.scene["geometry"]["segments"]), rod.scene["geometry"]
     thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in rod.pieces]
     longer = float(np.dot(thinner, geometry["segments"]) / (rod.similarity.size * trained))
-    kinds, slope = {piece.kind for own in rod.pieces for piece in own}, steepest(geometry, extent(rod.scene))
-    tapered = slope, slope * sum(geometry["segments"])
-    found = expected_errors(rod.elements, kinds, rod.similarity.size, longer, tapered)
+    kinds = {piece.kind for own in rod.pieces for piece in own}
+    found = expected_errors(rod.elements, kinds, rod.similarity.size, longer, _added(rod))
     return found.at_least(rod.calibration.get("errors", {}), rod.elements)
+
+
+def _added(rod: Rod) -> Added:
+    """By the taper of a finger, and by transitions between its materials."""
+    geometry, length = rod.scene["geometry"], sum(rod.scene["geometry"]["segments"])
+    slope = steepest(geometry, extent(rod.scene))
+    transitions = sum(share * (1 - share) for own in rod.pieces for piece in own for share in piece.hindered)
+    if slope and along(rod.scene):
+        # a stiff layer yields by shear, by which a taper's corrections of first order are less exact
+        shear = shear_by_bending(rod.own.laws[INTERIOR]).max() / extent(rod.scene) ** 2
+        slope *= max(shear / SOLID, 1.0)
+    sums = slope * np.array(TAPER) + transitions * np.array(TRANSITION)
+    return Added(*(sums * [1.0, length, 1.0, length]).tolist())

@@ -1,4 +1,4 @@
-"""What compiled code relies on in a rod of elements: checked when its struct is made, refused by name and limit."""
+"""Limits of compiled code on a rod of elements, checked when its struct is made; refused by name and limit."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def check(rod: Rod) -> None:
 
 
 def _ends_of_free_plate(segment: Segment) -> np.ndarray:
-    """Where the plate is without a wrench at no tensions and at the largest, seen from the clamp, shape (2, 3) [m]."""
+    """Positions of the free plate at the lowest and the highest tensions, seen from the clamp, shape (2, 3) [m]."""
     lowest, highest = segment.elements[0].tensions
     return march(segment.elements, np.array([lowest, highest]), np.zeros((2, WRENCH))).plate[0]
 
@@ -93,7 +93,7 @@ def check_rod(segment: CondensedSegment) -> None:
 
 
 def _deviations(element: ElementMap, k: int, first: ElementMap) -> None:
-    """Of the variants of law k: as many as of the first element."""
+    """Checks the number of variants of law k: as many as of the first element."""
     one, other = element.deviations, first.deviations
     require((one is None) == (other is None), "variants must be of all laws, or of none", f"law {k}")
     if one is None or other is None:
@@ -128,7 +128,7 @@ def _alike(name: str, one: list[np.ndarray], other: list[np.ndarray]) -> None:
 
 
 def _shortenings(shortenings: Sequence[Polynomial], elements: Sequence[ElementMap]) -> None:
-    """Of the tendons: compiled code evaluates them with the products of the elements' laws."""
+    """Checks the tendons' shortenings: compiled code evaluates them with the products of the elements' laws."""
     count = len(elements)
     require(len(shortenings) == count, f"shortenings must be {count}, as the elements", len(shortenings))
     t, combinations = elements[0].tension_map.shape[1], len(elements[0].tension_map)
@@ -139,7 +139,7 @@ def _shortenings(shortenings: Sequence[Polynomial], elements: Sequence[ElementMa
 
 
 def _outlines(outlines: Sequence[Outline], elements: Sequence[ElementMap], begins: float) -> None:
-    """Of the rubber's surface."""
+    """Checks the outlines of the rubber's surface."""
     require(len(outlines) == len(elements), f"outlines must be {len(elements)}, as the elements", len(outlines))
     first, t = elements[0].polynomial, len(elements[0].tension_map)
     of = {id(one): outline for one, outline in zip(elements, outlines, strict=True)}

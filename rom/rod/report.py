@@ -1,4 +1,4 @@
-"""What a finger reports besides its answer: the tip's orientation and the actuators' strokes, with derivatives."""
+"""Report of a finger besides its answer: the tip's orientation and the actuators' strokes, with derivatives."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rom.rod.compiled.reports import QUATERNION
 
 @brief
 class FingerReport(NamedTuple):
-    """What a finger reports besides its answer at one point of p parameters, shapes without n, or at n points.
+    """Report of a finger besides its answer at one point of p parameters, shapes without n, or at n points.
 
     Attributes:
         orientation: of the tip plate's frame, as a unit quaternion w, x, y, z with w >= 0, shape (n, 4) [-]; its sign
@@ -42,7 +42,7 @@ class FingerReport(NamedTuple):
 
     @classmethod
     def of(cls, evaluation: Evaluation, tendons: int, growth_error: float) -> FingerReport:
-        """Of what compiled code has computed at n points.
+        """Report from an evaluation by compiled code at n points.
 
         Args:
             evaluation: of a finger.

@@ -33,6 +33,7 @@ from rom.rod.chain_of_rod import chain_of
 from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, errors_of
 from rom.rod.limits import check as check_rod
+from rom.rod.scene.intervals_of_rod import cuts_of, in_segment, with_materials
 from rom.rod.scene.scene_of_rod import Similarity, of_tables, passing, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.rod.tables import summary
@@ -98,10 +99,14 @@ class Rod(PickledByFields):
         return self.elements.scaled(self.similarity.size, self.similarity.modulus)
 
     @cached_property
-    def sized(self) -> dict[float, Elements]:
-        """The elements scaled to each piece, by the piece's size over that of a finger without taper [-]."""
-        sizes = {piece.size for own in self.pieces for piece in own}
-        return {size: self.own if size == 1 else self.own.scaled(size, 1.0) for size in sizes}
+    def _scaled(self) -> dict[tuple[float, float], Elements]:
+        """The elements by size over that of a finger without taper, and modulus over that of the rubber [-]."""
+        scales = {(piece.size, piece.modulus) for own in self.pieces for piece in own}
+        return {one: self.own if one == (1, 1) else self.own.scaled(*one) for one in scales}
+
+    def scaled(self, piece: Piece) -> Elements:
+        """The elements at the size and modulus of one of this finger's pieces."""
+        return self._scaled[piece.size, piece.modulus]
 
     @cached_property
     def pieces(self) -> list[list[Piece]]:
@@ -110,15 +115,17 @@ class Rod(PickledByFields):
         found, half = [], geometry["plate"] / 2
         for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
             rubber = TaperedRubber(begin, end, geometry["segments"][k] - end * half, half)
+            intervals = in_segment(self.similarity.intervals, geometry, k)
             try:
-                found.append(cut(tapered_pieces(lengths, rubber), self.parts))
+                own = tapered_pieces(lengths, rubber, cuts_of(intervals))
             except ModelError as error:
                 raise ModelError(f"geometry.segments.{k}: {error}") from None
+            found.append(cut(with_materials(own, intervals), self.parts))
         return found
 
     @cached_property
     def segments(self) -> list[Segment]:
-        """Segments from clamp to tip; a tendon passes all segments up to its plate, chambers are in the only one."""
+        """Segments from clamp to tip; a tendon passes all segments up to its plate, a chamber is in one."""
         known = self.elements.scene, self.scene, self.similarity
         return [segment_of(self.own, own, *passing(*known, k)) for k, own in enumerate(self.pieces)]
 
@@ -188,7 +195,7 @@ class Rod(PickledByFields):
         return self.strokes(tensions, wrenches)[len(self.scene["tendons"]) :]
 
     def strokes(self, tensions: ArrayLike, wrenches: ArrayLike | None = None) -> np.ndarray:
-        """What the loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
+        """Strokes that loads do work on: shortenings, then growths, shape (t,) [m, m^3]; arguments of `place`."""
         return reports.shortenings(self.struct, *self._inputs(tensions, wrenches))[0]
 
     def displacement(

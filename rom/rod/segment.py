@@ -18,6 +18,7 @@ from rom.elements.law import POSE, ElementMap, on_tensions
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 from rom.elements.taper import shear_by_bending, tapered
+from rom.elements.transition import with_transitions
 from rom.files.checked_file import ModelError
 from rom.native import PickledByFields
 from rom.rod import compiled
@@ -43,6 +44,7 @@ class Segment(PickledByFields):
         area: of the section at the plate [m^2].
         begins: size of the section where it begins over that of the plate's [-].
         length: from the clamp to the plate's centre at rest [m].
+        moduli: of every element's material over that of the segment's rubber, shape (elements,) [-].
         bulges: see `bulges_of`; None without chambers.
         rubber: Young's modulus [Pa] and Poisson's ratio [-] of the rubber among other materials, which touches; None if
             it is alone.
@@ -57,6 +59,7 @@ class Segment(PickledByFields):
     section: SectionOutline
     area: float
     length: float
+    moduli: Sequence[float]
     begins: float = 1.0
     bulges: np.ndarray | None = None
     rubber: tuple[float, float] | None = None
@@ -73,13 +76,15 @@ class Segment(PickledByFields):
 
     @cached_property
     def young_modulus(self) -> float:
-        """Of the rubber at small strain, as the segment stretches where it is alone [Pa]."""
+        """Young's modulus of the rubber at small strain [Pa]; if not stored, from the segment's stretch."""
         if self.rubber is not None:
             return self.rubber[0]
         pull = 1e-3 * self.elements[0].polynomial.upper[-6]
         inputs = np.zeros((2, self.tensions + 6))
         inputs[:, -6] = -pull, pull
-        longer = sum(np.ptp(one.value(inputs)[:, 0]) for one in self.elements)
+        longer = sum(
+            modulus * np.ptp(one.value(inputs)[:, 0]) for one, modulus in zip(self.elements, self.moduli, strict=True)
+        )
         rubber = self.length - self.half_lengths[0]
         area = self.area * self.begins  # its inverse is the mean of all sections'
         return float(2 * pull * rubber / (longer * area))
@@ -95,7 +100,7 @@ class Segment(PickledByFields):
         inputs[:, -6] = -pull, pull
         corners = outline.polynomial.value(inputs).reshape(2, -1, 4, 3)[:, len(outline.distances) // 2]
         pressed, pulled = (corners[:, 2:, 1] - corners[:, :2, 1]).mean(axis=1)
-        strain = 2 * pull / (self.young_modulus * self.area)
+        strain = 2 * pull / (self.moduli[k] * self.young_modulus * self.area)
         return float((pressed - pulled) / (0.5 * (pressed + pulled)) / strain)
 
     @cached_property
@@ -111,7 +116,8 @@ class Segment(PickledByFields):
             inputs = np.zeros((2, t + 6))
             inputs[:, t + 3 + axis] = -moment, moment
             turn = 2 * np.ptp(self.elements[k].value(inputs)[:, 3 + axis])
-            found.append((24 * moment * self.outlines[k].length / (turn * self.young_modulus)) ** 0.25)
+            modulus = self.moduli[k] * self.young_modulus
+            found.append((24 * moment * self.outlines[k].length / (turn * modulus)) ** 0.25)
         return np.array(found) * 2 / (1 + self.begins)
 
     @property
@@ -124,7 +130,7 @@ class Segment(PickledByFields):
 
     @cached_property
     def struct(self) -> Any:
-        """For compiled code, a struct fingerfem_segment.
+        """Struct fingerfem_segment for compiled code.
 
         Raises:
             ModelError: a segment beyond what compiled code holds.
@@ -133,7 +139,7 @@ class Segment(PickledByFields):
 
     @property
     def condensed(self) -> compiled.CondensedSegment:
-        """What of it is compiled: its elements by pose, its variants, and by the shortenings of its tendons."""
+        """Parts for compiled code: elements by pose, their variants, and shortenings of the tendons."""
         poses = {id(one): _pose_of(one) for one in self.elements}
         shortenings = {id(one): _values(one, [POSE + k for k in self.trained]) for one in self.elements}
         return compiled.CondensedSegment(
@@ -142,6 +148,7 @@ class Segment(PickledByFields):
             section=self.section,
             depths=None if self.section.is_rectangle or self.outlines is None else self.depths,
             begins=self.begins,
+            moduli=self.moduli,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             young_modulus=self.young_modulus,
@@ -177,12 +184,15 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         names: of the tensions that pass the segment.
         trained: which of the elements' tendons each of these is.
     """
-    scaled = {one: elements if one.size == 1 else elements.scaled(one.size, 1.0) for one in set(pieces)}
-    laws = {one: own.laws[one.kind].of_length(one.length).only(trained) for one, own in scaled.items()}
+    scales = {(one.size, one.modulus) for one in pieces}
+    by_scale = {one: elements if one == (1, 1) else elements.scaled(*one) for one in scales}
+    scaled = {one: by_scale[one.size, one.modulus] for one in pieces}
     geometry = elements.scene["geometry"]
+    laws = {one: own.laws[one.kind].of_length(one.length) for one, own in scaled.items()}
     if any(one.ends[0] != one.ends[1] for one in pieces):
-        shear = shear_by_bending(elements.laws[INTERIOR])
-        laws = {one: tapered(law, one, shear) for one, law in laws.items()}
+        shear, guided = shear_by_bending(elements.laws[INTERIOR]), _guided(elements.scene, elements.tensions)
+        laws = {one: tapered(law, one, shear, guided) for one, law in laws.items()}
+    laws = {one: with_transitions(law, one, scaled[one].laws).only(trained) for one, law in laws.items()}
     end, begin = pieces[0].ends[0], pieces[-1].ends[1]
     section, rubber = elements.section.scaled(end), elements.scene.get("rubber")
     half = np.array([elements.size * end * geometry["plate"] / 2, *section.box])
@@ -190,8 +200,9 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
     for k, one in enumerate(pieces):
         if one not in outlines:
             outlines[one] = compiled.outline_of(scaled[one].outlines[one.kind], one, 0.0 if k else half[0])
-    if len({one.size for one in pieces}) > 1:
+    if len(scales) > 1:
         _in_one_box(laws, outlines)
+    length = sum(one.length for one in pieces)
     return Segment(
         elements=[laws[one] for one in pieces],
         outlines=[outlines[one] for one in pieces],
@@ -202,8 +213,9 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
         section=section,
         area=area(elements.scene) * (elements.size * end) ** 2,
         begins=begin / end,
-        length=sum(one.length for one in pieces),
-        bulges=bulges_of([laws[one] for one in pieces], elements.scene, elements.size, trained)
+        length=length,
+        moduli=[one.modulus for one in pieces],
+        bulges=bulges_of([laws[one] for one in pieces], elements.scene, elements.size, trained, length)
         if elements.scene.get("chambers")
         else None,
         rubber=None if rubber is None else (elements.modulus * rubber["E"], rubber["nu"]),
@@ -211,7 +223,7 @@ def segment_of(elements: Elements, pieces: Sequence[Piece], names: Sequence[str]
 
 
 def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Outline]) -> None:
-    """Give elements of several sizes the tensions that all of them were trained with, in place."""
+    """Give elements of several sizes or moduli the tensions that all of them were trained with, in place."""
     every = list(laws.values())
     tensions = np.array(
         [np.max([one.tensions[0] for one in every], axis=0), np.min([one.tensions[1] for one in every], axis=0)]
@@ -225,8 +237,15 @@ def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Ou
         outlines[piece] = replace(own, polynomial=on_tensions(own.polynomial, lower, upper))
 
 
+def _guided(scene: dict[str, Any], loads: int) -> np.ndarray:
+    """1 of tendons in channels, 0 of other loads, shape (loads,)."""
+    found = np.zeros(loads)
+    found[: len(scene["tendons"])] = [one.get("path", "channel") == "channel" for one in scene["tendons"]]
+    return found
+
+
 def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:
-    """Of load k's channel; 0 of a straight tendon and of a chamber, which come after the tendons."""
+    """Offset of load k's channel [m]; 0 for a straight tendon and for a chamber, which come after the tendons."""
     has_channel = k < len(tendons) and tendons[k].get("path", "channel") == "channel"
     return tendons[k]["offset"] if has_channel else [0.0, 0.0]
 

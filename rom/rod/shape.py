@@ -48,7 +48,7 @@ class Placed:
 
     @property
     def length(self) -> float:
-        """From there to its proximal section at rest [m]."""
+        """Length from there to its proximal section at rest [m]."""
         return self.piece.length
 
 
@@ -171,7 +171,7 @@ def _seen(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarra
 
 def _estimate(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray]:
     """A section's pose as if its element were an interior one; by its corners where there is none of that length."""
-    law, length = rod.sized[one.piece.size].laws.get(INTERIOR), distance - one.half
+    law, length = rod.scaled(one.piece).laws.get(INTERIOR), distance - one.half
     if law is None or one.length - one.half > law.lengths[1] * (1 + SHARE):
         return _fit(rod, one, distance)
     face, inputs = np.array([-one.half, 0.0, 0.0]), one.inputs.copy()
@@ -191,7 +191,7 @@ def _fit(rod: Rod, one: Placed, distance: float) -> tuple[np.ndarray, np.ndarray
 
 def _corners(rod: Rod, one: Placed, distance: float) -> np.ndarray:
     """Corners of a section at a distance from its element's distal section [m], seen from that; shape (4, 3) [m]."""
-    law = replace(rod.sized[one.piece.size].outlines[one.piece.kind], half=half_at(rod, one.at - distance))
+    law = replace(rod.scaled(one.piece).outlines[one.piece.kind], half=half_at(rod, one.at - distance))
     return law.corners(one.inputs[None], distance)[0]
 
 
@@ -213,7 +213,7 @@ def edges(rod: Rod) -> np.ndarray:
 
 
 def _outside(points: np.ndarray, length: float, half: ArrayLike) -> bool:
-    """Whether some points or positions at rest, shape (n, 3) or (n, 1) [m], are none of the finger's."""
+    """True if points or positions at rest, shape (n, 3) or (n, 1) [m], are not all in the finger."""
     along, across = np.abs(points[:, 0] - length / 2) * 2 / length, np.abs(points[:, 1:])
     return not ((along <= 1 + SHARE).all() and (across <= np.asarray(half) * (1 + SHARE)).all())
 

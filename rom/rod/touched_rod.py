@@ -30,7 +30,7 @@ MOST = LIBRARY.constants.FINGERFEM_MOST_OBJECTS
 
 @brief
 class ContactForce(NamedTuple):
-    """What an object does to the finger at a point.
+    """Force of an object on the finger at a point.
 
     Attributes:
         plate: which, from the clamp; or the one that the touched rubber ends at.
@@ -65,11 +65,11 @@ class TouchedRod(ParametricModel, PickledByFields):
     @property
     @abstractmethod
     def objects(self) -> tuple[RigidObject, ...]:
-        """What may touch."""
+        """Objects that may touch the finger."""
 
     @property
     def distance_names(self) -> list[str]:
-        """Of the objects' distances."""
+        """Names of the objects' distances."""
         return [f"d{k + 1}" for k in range(len(self.objects))]
 
     @cached_property
@@ -82,7 +82,7 @@ class TouchedRod(ParametricModel, PickledByFields):
         ]
 
     def tables(self) -> list[Table | str]:
-        """For people: its segments, and where objects may be."""
+        """Tables for people: the finger's segments, and the ranges of objects' distances."""
         return [
             *self.rod.tables(),
             parameters(self.parameters, "with objects" if len(self.objects) > 1 else "with the object"),
@@ -90,7 +90,7 @@ class TouchedRod(ParametricModel, PickledByFields):
 
     @cached_property
     def touching(self) -> Any:
-        """For compiled code, a struct fingerfem_touching."""
+        """Struct fingerfem_touching for compiled code."""
         objects = [LIBRARY.struct("fingerfem_object", **one.numbers()) for one in self.objects]
         return LIBRARY.struct(
             "fingerfem_touching",
@@ -125,8 +125,8 @@ class TouchedRod(ParametricModel, PickledByFields):
             parameters: shape (p,) or (n, p); tensions alone, shape (t,) or (n, t), if d is given.
             d: see `rom.parameter.joined`.
 
-        All objects approach the finger simultaneously. Where no equilibrium was found on their approach, the answer is
-        not inside, and its error infinite. It is not inside either where the equilibrium is not stable. Arrays with one
+        All objects approach the finger simultaneously. If no equilibrium was found on their approach, the answer is
+        not inside, and its error infinite. It is not inside either if the equilibrium is not stable. Arrays with one
         value per object have a last axis of length m.
 
         Raises:
@@ -171,7 +171,7 @@ class TouchedRod(ParametricModel, PickledByFields):
         return FingerReport.of(evaluation, len(self.rod.scene["tendons"]), self.rod.errors.growth)
 
     def contact_forces(self, parameters: ArrayLike) -> list[ContactForce]:
-        """Where objects press at one point, shape (p,), and how much; none without an equilibrium.
+        """Forces of objects at one point of parameters, shape (p,); none without an equilibrium.
 
         A plate is rigid. If its wrench does not determine all of its contacts' forces, they are one of many solutions.
         """
@@ -204,11 +204,11 @@ class TouchedRod(ParametricModel, PickledByFields):
         return self.rod.sections(*self._loads(parameters), at)
 
     def shortening(self, parameters: ArrayLike) -> np.ndarray:
-        """How much shorter the tendons have become at one point, shape (p,); shape (tendons,) [m]."""
+        """Shortenings of the tendons at one point of parameters, shape (p,); shape (tendons,) [m]."""
         return self.rod.shortening(*self._loads(parameters))
 
     def growth(self, parameters: ArrayLike) -> np.ndarray:
-        """How much larger the chambers have become at one point, shape (p,); shape (chambers,) [m^3]."""
+        """Growths of the chambers at one point of parameters, shape (p,); shape (chambers,) [m^3]."""
         return self.rod.growth(*self._loads(parameters))
 
     def _loads(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

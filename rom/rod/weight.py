@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
+from rom.dataset.geometry import rubber_of
 from rom.dataset.sections.section import area
 from rom.files.checked_file import ModelError
 from rom.rod.scene.materials_of_rod import DENSEST, line_mass
@@ -22,7 +23,7 @@ SHORTEST = 1e-6  # least length of a direction [-]
 
 @brief
 class Weight(NamedTuple):
-    """What a finger weighs, by rows: of every segment its plate, then its elements from the plate to the clamp.
+    """Masses of a finger by rows: of every segment its plate, then its elements from the plate to the clamp.
 
     Attributes:
         gravity: acceleration seen from the clamp, shape (3,) [m/s^2].
@@ -81,23 +82,24 @@ def weight_of(rod: Rod) -> Weight | None:
     if table is None:
         return None
     whole, masses, rubber = area(rod.scene), list[float](), list[float]()
-    density = line_mass(rod.scene, table["density"]).density
-    for segment, own in zip(rod.segments, rod.pieces, strict=True):
+    begins = rubber_of(rod.scene["geometry"])[:, 0].tolist()
+    for segment, own, begin in zip(rod.segments, rod.pieces, begins, strict=True):
         plate = 2 * float(segment.half_lengths[0]) * segment.area
         lengths = np.array([piece.length for piece in own])
         lengths[0] -= segment.half_lengths[0]  # its distal section is the plate's centre
         areas = np.array([whole * sum(a * b for a, b in _pairs(piece.ends)) / 3 for piece in own])
-        rest = lengths * areas - _voids(rod.scene, lengths)
-        masses += [table["plate_density"] * plate, *(density * rest).tolist()]
+        rest = lengths * areas - _voids(rod.scene, lengths, begin)
+        densities = [line_mass(rod.scene, table["density"], piece.material).density for piece in own]
+        masses += [table["plate_density"] * plate, *(densities * rest).tolist()]
         rubber += [0.0, *lengths.tolist()]
     direction = np.array(table["direction"])
     gravity = table["acceleration"] * direction / np.linalg.norm(direction)
     return Weight(gravity, np.array(masses), np.array(rubber))
 
 
-def _voids(scene: Mapping[str, Any], lengths: np.ndarray) -> np.ndarray:
-    """Volumes of chambers in the only segment's elements, from the plate to the clamp, shape (elements,) [m^3]."""
-    found, begins = np.zeros(len(lengths)), np.cumsum(lengths[::-1])[::-1] - lengths
+def _voids(scene: Mapping[str, Any], lengths: np.ndarray, begin: float) -> np.ndarray:
+    """Volumes of chambers in elements, from the plate to a clamp at `begin` [m], shape (elements,) [m^3]."""
+    found, begins = np.zeros(len(lengths)), begin + np.cumsum(lengths[::-1])[::-1] - lengths
     for one in scene.get("chambers") or []:
         overlap = np.minimum(begins + lengths, one["x"][1]) - np.maximum(begins, one["x"][0])
         found += np.prod(one["size"]) * np.maximum(overlap, 0.0)

@@ -23,7 +23,7 @@ TINY = np.finfo(float).tiny
 
 @dataclass(frozen=True, kw_only=True)
 class EnrichmentOptions:
-    """When to stop.
+    """Stopping criteria of the enrichment.
 
     Attributes:
         tolerance: bounds the 2-norm of what is left over that of the snapshots [-].

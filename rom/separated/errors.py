@@ -45,7 +45,7 @@ class Errors:
 
     @property
     def answered(self) -> np.ndarray:
-        """In which cells the samples support an answer, shape (cells, ...)."""
+        """True for cells whose samples support an answer, shape (cells, ...)."""
         return np.isfinite(self.contact).all(axis=-1)
 
     def scaled(self, factors: Mapping[str, float]) -> Errors:
@@ -102,7 +102,7 @@ def _covering(errors: np.ndarray) -> float:
 
 
 def _local(own: np.ndarray, rates: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """By cell, shape (cells, ...): its largest rate, or what most of its neighbours are below, if that is more.
+    """Rates by cell, shape (cells, ...): its largest, or a bound of most of its neighbours', if that is more.
 
     Too few rates do not resolve the cells: then every cell has the bound of all.
     """

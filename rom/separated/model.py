@@ -63,7 +63,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
 
     @property
     def has_pad(self) -> bool:
-        """Whether it has the pad's pressure."""
+        """True if the model has the pad's pressure."""
         return len(self.contact.modes) > FORCE + 1
 
     @property
@@ -128,7 +128,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         """`outputs` at one point, shape (5 or 6,), and their derivatives, shape (5 or 6, p); the fastest call.
 
         At touch itself, a kink, derivatives are those of the free side; across walls of the sampled box they are zero.
-        Where a form swings below zero just after touch, the force is clamped to zero, but not its derivative.
+        If a form swings below zero just after touch, the force is clamped to zero, but not its derivative.
         """
         return forms.answer(self.kernel, self.checked(parameters, most=1))[:2]
 
@@ -170,7 +170,7 @@ class SeparatedModel(ParametricModel, PickledByFields):
         return shorter if shorter.terms == self.terms else replace(shorter, accuracy={})
 
     def tables(self) -> list[Table | str]:
-        """For people: its parts, its parameters, and its measured errors."""
+        """Tables for people: the model's parts, its parameters, and its measured errors."""
         source = "samples of the finger before one object" if "specialised_from" in self.provenance else "states"
         nodes = "without the displacement field" if self.nodes is None else f"displacement of {len(self.nodes):,} nodes"
         terms = f"{sum(self.terms.values())} products in {len(self.terms)} forms"

@@ -92,7 +92,7 @@ def tabulated(samples: Samples, options: EnrichmentOptions, progress: Progress =
 
 
 def _added(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
-    """What contact adds per length of its path, v = (u - u_0) / p, and its gradient by F and s.
+    """Change of answers by contact per length of its path, v = (u - u_0) / p, and its gradient by F and s.
 
     Along an axis of the tensions d follows D: dd = (1 - s) dD and dp = s dD; along s the path grows by D - d_min.
     """
@@ -113,7 +113,7 @@ def _added(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
 def _limited(axes: Sequence[np.ndarray], values: np.ndarray, gradient: np.ndarray) -> np.ndarray:
     """Slopes at the nodes, no steeper than STEEPEST times the steeper of both neighbouring differences.
 
-    Where two corners touch at once, D has a kink, and slopes just past touch are those of one side, over a path of
+    If two corners touch at once, D has a kink. Slopes just past touch are then those of one side, over a path of
     micrometres: a cubic function would leave all bounds between the nodes.
     """
     limited = np.empty_like(gradient)

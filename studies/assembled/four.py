@@ -37,7 +37,7 @@ def held_out(run: Run, plan: Plan, lines: int) -> dict:
 
 
 def measure(run: Run) -> dict:
-    """By number of lines, then planes."""
+    """Errors by number of lines, then before planes."""
     rows = [run.once(f"{lines} lines, degree {plan.degree:g}", held_out, run, plan, lines) for plan, lines in TRIES]
     finger, table = plans.rod(run, HIGHER_FOUR), tomllib.loads(plans.scene(run, HIGHER_FOUR).read_text())
     return {"lines": rows, "planes": run.once("planes", scattered, finger, table, "plane", PLANES)}

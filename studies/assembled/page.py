@@ -6,5 +6,5 @@ from pathlib import Path
 
 
 def prepare(found: dict, folder: Path) -> dict:
-    """How many planes touched rubber."""
+    """Adds the number of planes that touched rubber."""
     return {"rubber": sum(row["planes"]["rubber"] for row in found["fingers"]["fingers"])}

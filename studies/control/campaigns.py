@@ -15,7 +15,7 @@ STARTS, NODES = 10_000, 50  # holds of a campaign; tensions of each tendon in a 
 
 
 def dense_search(model: Model, found: campaign.Campaign) -> dict:
-    """How many distances called unreachable have tensions on a grid with at least the target's force.
+    """Number of distances called unreachable that have tensions on a grid with at least the target's force.
 
     The force is continuous and zero at rest: these tensions would prove that the target can be held.
     """

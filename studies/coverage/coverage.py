@@ -88,5 +88,5 @@ def row(run: Run, kind: str) -> dict:
 
 
 def measure(run: Run) -> dict[str, dict]:
-    """By kind of points."""
+    """Coverage by kind of points."""
     return {kind: run.once(kind, row, run, kind) for kind in KINDS}

@@ -25,7 +25,7 @@ def at_random(model: TouchedSegment, count: int, random: np.random.Generator) ->
 
 
 def on_walls(model: TouchedSegment, count: int, random: np.random.Generator) -> np.ndarray:
-    """In contact, one of the tensions 0 or the highest: two distances at each."""
+    """Points in contact, one of the tensions 0 or the highest: two distances at each."""
     lower, upper = model.limits
     found = list[np.ndarray]()
     while len(found) < count:
@@ -65,7 +65,7 @@ def chosen(model: TouchedSegment, count: int, random: np.random.Generator) -> np
 
 
 def sought(model: TouchedSegment, count: int, random: np.random.Generator, other: TouchedSegment) -> np.ndarray:
-    """Where the forces of two fingers differ most, over the estimate of the first: by line searches from random points.
+    """Points where the forces of two fingers differ most, over the first's estimate: by line searches from random ones.
 
     Args:
         model: whose estimates are put to the test.

@@ -23,7 +23,7 @@ def rubber(law: str, poisson: float) -> dict[str, Any]:
 
 
 def errors(law: str, poisson: float) -> list[dict]:
-    """Of the tip and of the contact force [-], a row for every mesh."""
+    """Errors of the tip and of the contact force [-], a row for every mesh."""
     states = []
     for cells, order in (CONVERGED, *MESHES):
         table = planar(material=rubber(law, poisson), mesh={"cells": cells, "order": order})

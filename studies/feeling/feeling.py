@@ -47,7 +47,7 @@ class Trial(NamedTuple):
 
 
 class Question(NamedTuple):
-    """What is asked of a case: an estimate of its noisy measurements, and the bound of its forces' covariance [N^2]."""
+    """Estimate from a case's noisy measurements, and the bound of its forces' covariance [N^2]."""
 
     estimate: Callable[[np.ndarray, np.ndarray, np.random.Generator], Trial]
     bound: np.ndarray | None
@@ -70,7 +70,7 @@ def timed(call: Callable[[], Felt]) -> tuple[Felt, float]:
 
 
 def covers(covariance: np.ndarray, error: np.ndarray) -> bool:
-    """Whether an error lies in the region that covers 95 %; without a felt contact there is no covariance, and none."""
+    """True if an error lies in the region that covers 95 %; false without a felt contact, which has no covariance."""
     return bool(covariance.any() and error @ np.linalg.solve(covariance, error) <= chi2.ppf(COVERED, len(error)))
 
 
@@ -201,7 +201,7 @@ def measure(run: Run) -> dict:
 
 
 def felt(finger: Rod, cases: list[Case]) -> dict:
-    """What is felt of cases, by noise and by what is known."""
+    """Errors of estimates in cases, by noise and by the quantities given."""
     pressed = [resultant(finger, one) for one in cases]
     return {
         "states": len(cases),

@@ -19,7 +19,7 @@ from studies.rods.random_objects import DEPTHS, DISTANCE, SHAPES, on_surface
 PLAN = plans.LARGE  # the finger's set
 EACH, SEED = 10, 21  # states by shape; of the draws
 FORCES = 0.1, 15.0  # least and largest contact force that is compared [N]
-AROUND = DEPTHS[1] + 2e-3, 2e-3  # how far the range of distances reaches below and above first touch [m]
+AROUND = DEPTHS[1] + 2e-3, 2e-3  # extent of the range of distances below and above first touch [m]
 SAMPLES = 12  # cross-sections, from the nearest of which the position of a contact is measured
 
 

@@ -21,6 +21,7 @@ class Closing:
         wanted: contact forces in the end, shape (fingers,) [N]; `share` of them are the targets now [-].
         radius: half-width of what is grasped [m]; nan if it is unknown.
         uncertain: largest error of the position of its faces [m].
+        off_centre: largest distance of its centre from the gripper's axis [m], which three fingers measure.
         doubt: why not to squeeze or to lift; empty if there is no reason.
     """
 
@@ -29,13 +30,14 @@ class Closing:
     wanted: np.ndarray
     radius: float = np.nan
     uncertain: float = np.inf
+    off_centre: float = np.inf
     share: float = GENTLY
     squeezing: bool = field(default=False, init=False)
     doubt: str = field(default="", init=False)
 
     @property
     def ended(self) -> bool:
-        """Whether all hold what is wanted, or are not to go on."""
+        """True if all fingers hold their forces, or are not to go on."""
         return bool(self.doubt) or (self.share >= 1.0 and all(grip.done for grip in self.grips))
 
     def targets(self) -> np.ndarray:
@@ -56,8 +58,12 @@ class Closing:
 
     def misplaced(self) -> str:
         """Which face is not where it should be, so that it is another, or has moved or tipped."""
-        off = np.array([grip.distance for grip in self.grips]) - (self.gripper.radius - self.radius)
+        distances = np.array([grip.distance for grip in self.grips])
+        off = distances - (self.gripper.radius - self.radius)
         worst = int(np.argmax(np.abs(off)))
         if abs(off[worst]) > self.uncertain:
             return f"finger {worst} finds its face {1000 * abs(off[worst]):.1f} mm from where it should be"
+        away = float(np.linalg.norm(self.gripper.locate(distances)[0]))
+        if away > self.off_centre:
+            return f"the solid is {1000 * away:.1f} mm from the gripper's axis"
         return ""

@@ -10,7 +10,7 @@ from studies.cores import on_cores
 from studies.grasping.task import attempt, trial
 from studies.parts import Run
 
-GRASPS, CHUNK = 100, 20  # in all, and kept together
+GRASPS, CHUNK = 100, 10  # in all, and kept together
 
 
 def grasped(number: int) -> dict[str, Any]:

@@ -21,7 +21,7 @@ FIRST = {"box": 15, "sphere": 11, "cylinder": 12, "cone": 13, "mesh": 9}  # tria
 MOVING = "box"  # in the moving picture: its turn is visible
 EVERY = 12  # periods from frame to frame
 SIZES = {"moving": (360, 400), "still": (200, 220)}  # of a frame, of each solid: width and height [pixels]
-# Of the camera: the point it looks at [m], distance [m], azimuth and elevation [degrees].
+# Camera: the point it looks at [m], distance [m], azimuth and elevation [degrees].
 EYES = {"moving": ((0.0, 0.0, 0.086), 0.40, 105.0, -18.0), "still": ((0.0, 0.0, 0.138), 0.21, 112.0, -16.0)}
 FIELD, FINER = 30, 2  # vertical field of view [degrees]; factor of size by which frames are drawn, then averaged
 

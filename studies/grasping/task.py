@@ -10,9 +10,10 @@ import numpy as np
 
 from control import Flaws, Gripper, Limits
 from control.grasping.grasp_controller import DISTINCT, GraspOptions, Grip
+from control.grasping.grasp_forces import GRAVITY
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
-from control.mujoco.layouts import best_layout
+from control.mujoco.layouts import FINGERS, best_layout
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
 from control.mujoco.table import STEP, table
 from rom import TouchedSegment
@@ -27,7 +28,7 @@ CRUSHING = 0.02  # [s]: blows of rigid bodies that are shorter crush nothing
 CLOSING = 6.0  # [s], at most
 LIFT, TURN = 0.1, np.pi / 2  # [m], [rad]
 FELT = 0.15  # of the held force: a change by so much is the table's, when it is put down [-]
-# Of a phase: its name, axis of the mount, where to [m, rad], how long it takes [s]. A weight bends fingers straighter,
+# Phases: name, axis of the mount, its goal [m, rad], and duration [s]. A weight bends fingers straighter,
 # which takes contact force away: so slowly that the controllers follow.
 PHASES = (
     ("take its weight", 2, 0.003, 1.0),
@@ -85,15 +86,21 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     It is refused (before anything moves: no contact force would neither drop nor crush the solid), let go (before the
     solid is lifted), held, dropped, or crushed.
     """
-    solid = one.solid
-    gripper, turn, wanted = best_layout(model, solid, Limits(rate=MOTOR), MARGIN)
+    gripper, solid, turn, wanted = best_layout(model, one.solid, Limits(rate=MOTOR), MARGIN)
     row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
-    row |= {"number": one.number, "fingers": len(gripper.fingers)}
+    row |= {"number": one.number, "fingers": len(gripper.fingers), "room": wanted.most / wanted.least}
+    row |= {"bound": max(FINGERS) * solid.capacity * solid.admissible_force / (solid.mass * GRAVITY)}
+    row |= {"margin": 1 + MARGIN, "tipping": solid.tipping_force}
     if not wanted.exist:
-        return row | {"fate": "refused", "reason": wanted.reason, "impossible": wanted.least > wanted.most}
+        return row | {"fate": "refused", "reason": wanted.reason}
     if wanted.contact_forces.min() < least_felt(one):
         reason = f"{wanted.contact_forces.min():.2g} N cannot be distinguished from no contact"
-        return row | {"fate": "refused", "reason": reason, "impossible": False}
+        return row | {"fate": "refused", "reason": reason}
+    weight, hardest = solid.mass * GRAVITY, float(wanted.contact_forces.max())
+    if solid.tipping_force < least_felt(one) and weight + hardest > solid.admissible_force:
+        reason = f"a touch tips it over: {weight:.3g} N may lean on a finger that presses with {hardest:.3g} N"
+        return row | {"fate": "refused", "reason": reason}
+    one = replace(one, solid=solid)
     watch = Watch(table(gripper, model.rod, solid, one.error, turn, STEP), looks or [])
     row |= perform(gripper, one, wanted.contact_forces, watch)
     if watch.hardest > solid.admissible_force:
@@ -120,6 +127,8 @@ def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> d
     for phase, axis, aim, seconds in PHASES:
         carry(closing.grips, driven, axis, aim, seconds, watch)
         slips[phase] = begun - below(simulation)
+        if phase == PHASES[0][0] and any(grip.done and grip.status != "converged" for grip in closing.grips):
+            return row | {"fate": "let go", "reason": closing.failed(), "slips": slips}  # 3 mm above the table
         if abs(slips[phase]) > SLIPPED:
             return row | {"fate": "dropped", "reason": f"slipped when it was to {phase}", "slips": slips}
     errors = np.abs(np.array(watch.forces[first:]) / wanted - 1)
@@ -130,10 +139,18 @@ def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> d
 
 def close(gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoPlant], watch: Watch) -> Closing:
     """Close until all fingers hold contact forces, shape (fingers,) [N], one has given up, or it takes too long."""
+    share = max(GENTLY, least_felt(one) / float(wanted.min()))
     options = gripper.options(float(wanted.min()), one.flaws.noise, one.flaws.delay, PERIOD, TOLERANCE)
     options = replace(options, settling=SETTLING, squeeze_steps=round(SQUEEZE / PERIOD), dead_band=TOLERANCE)
-    share = max(GENTLY, least_felt(one) / float(wanted.min()))
-    closing = Closing(gripper, gripper.grips(share * wanted, options), wanted, one.solid.radius, 2 * POSE_ERROR, share)
+    closing = Closing(
+        gripper=gripper,
+        grips=gripper.grips(share * wanted, options),
+        wanted=wanted,
+        radius=one.solid.radius,
+        uncertain=2 * POSE_ERROR,
+        off_centre=1.5 * POSE_ERROR,
+        share=share,
+    )
 
     def targets(_: int) -> list[float]:
         watch.look()
@@ -179,11 +196,11 @@ def put_down(grips: list[Grip], driven: list[MujocoPlant], watch: Watch) -> None
 
 
 def below(simulation: Simulation) -> float:
-    """How far the solid's origin is below the palm's [m]."""
+    """Distance of the solid's origin below the palm's [m]."""
     data = simulation.data
     return float(data.body("object").xpos[2] - data.body("palm").xpos[2])
 
 
 def tilt(simulation: Simulation) -> float:
-    """How far the solid's axis is from upright [rad]."""
+    """Angle between the solid's axis and the vertical [rad]."""
     return float(np.arccos(np.clip(simulation.data.body("object").xmat[8], -1, 1)))

@@ -50,7 +50,7 @@ def at_plate(rod: Rod, full: Any, state: Any) -> np.ndarray:
 
 
 def errors(rod: Rod, full: Any, ours: list[GuideState], theirs: list[Any]) -> dict[str, list[float]]:
-    """Of every point, over the largest value of the history."""
+    """Errors of every point, over the largest value of the history."""
     tips, lost = (np.array([getattr(one, name) for one in theirs]) for name in ("tip", "dissipated"))
     shortened = np.array([one.shortenings for one in theirs])
     reached = np.array([at_plate(rod, full, one) for one in theirs])

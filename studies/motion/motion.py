@@ -1,4 +1,4 @@
-"""A moving finger of rod elements against the full-order model, on the mesh that they were trained on."""
+"""Moving fingers of rod elements against the full-order model, on the mesh that they were trained on."""
 
 from __future__ import annotations
 
@@ -9,23 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from rom import MovingFinger, Rod, TouchedSegment
-from rom.build import train_rod
-from rom.error_statistics import quantiles
-from rom.rod.objects.shapes import facing_plane
-from studies import sets
-from studies.parts import ROOT, Run
+from rom import MovingFinger, Rod
+from studies.motion.fingers import DENSITY, Table, table, touching, trained
+from studies.parts import Run
 
-DENSITY, SEED = 1070.0, 44  # of the rubber [kg/m^3]
-STATES, LARGEST = 10, (5.0, 3.0, 0.0, 0.0)  # for frequencies: their number, and tensions up to these [N]
 PRONY, SLOW = [[0.2, 0.01], [0.1, 0.3]], [[0.2, 0.5], [0.2, 300.0]]  # branches: modulus [-], time [s]
-DISTANCES, STEP, JUMP = (0.001, 0.06), 3e-3, 1e-4  # of the plane [m]; a step, and one in which loads jump [s]
+STEP, JUMP = 3e-3, 1e-4  # a step, and one in which loads jump [s]
 SHORT = 5e-4  # step of an impact [s]
-MOTIONS: dict[str, dict[str, Any]] = {
+MOTIONS: dict[str, Table] = {
     "step": {"loads": {"up": [[0.0, 0.0], [0.0, 2.0]]}},
-    "two steps": {"loads": {"up": [[0.0, 0.0], [0.0, 1.5]], "left": [[0.06, 0.0], [0.06, 2.0]]}},
+    "two steps": {"loads": {"up": [[0.0, 0.0], [0.0, 1.2]], "right": [[0.06, 0.2], [0.06, 1.2]]}},
     "ramps": {"loads": {"up": [[0.0, 0.0], [0.06, 5.0]], "right": [[0.0, 0.0], [0.03, 2.0]]}},
-    "release": {"loads": {"up": [[0.0, 3.0], [0.03, 3.0], [0.03, 0.0]]}},
+    "release": {"loads": {"up": [[0.0, 3.0], [0.03, 3.0], [0.03, 1.0]]}},
     "moving base": {
         "loads": {"up": 1.0},
         "base": {
@@ -34,41 +29,21 @@ MOTIONS: dict[str, dict[str, Any]] = {
             "wx": {"amplitude": 6.0, "frequency": 4.0},
         },
     },
+    "sine": {"loads": {"up": {"mean": 2.0, "amplitude": 1.5, "frequency": 6.0, "phase": -1.5707963}}},
+    "pulse": {"loads": {"up": 1.0, "right": [[0.0, 0.0], [0.015, 4.0], [0.03, 0.0]]}},
 }
+ROUND = "step", "ramps", "release", "moving base"
+SERIES = "step", "two steps", "ramps", "release", "sine"
+OF = {"square": tuple(MOTIONS), "two segments": SERIES, "circle": ROUND, "ring": ROUND}
 TIME = {"end": 0.24, "step": STEP}
 IMPACT = {"time": {"end": 0.12, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]], "d": 0.006}}
 HELD = {"time": {"end": 3600.0, "step": 60.0}, "loads": {"up": [[0.0, 0.0], [0.5, 4.0]], "d": 0.006}}
 FILTER = 1e-3  # mean of the impact's force over this time [s]
 HALVINGS, FINE = (5e-4, 2.5e-4, 1.25e-4), 1.5625e-5  # steps of the order of convergence, and of its reference [s]
+TENDONS = 4  # of the square finger
 
 
-def trained(run: Run) -> Rod:
-    """The bundled square finger without weight, and without the states of a finer mesh."""
-    text = (ROOT / "scenes" / "silicone" / "square_pressed.toml").read_text()
-    return train_rod(sets.training(sets.written(run.sets, "square silicone", text)), {}, [])
-
-
-def table(rod: Rod, prony: list[list[float]] | None = None, before_plane: bool = False) -> dict[str, Any]:
-    """Its full-order scene."""
-    known = rod.elements.scene
-    found = {name: one for name, one in known.items() if name not in ("load", "sampling", "coarse") and one}
-    found["density"] = {"rubber": DENSITY}
-    if prony:
-        found["material"] = found["material"] | {"prony": prony}
-    if before_plane:
-        found["obstacle"] = {"distance": list(DISTANCES), "method": "penalty"}
-    return found
-
-
-def touching(rod: Rod, scene: dict[str, Any]) -> TouchedSegment:
-    """The rod of a scene, before the plane."""
-    given = {name: scene[name] for name in ("material", "geometry", "tendons")}
-    return TouchedSegment(
-        rod=Rod(elements=rod.elements, scene=given), obstacle=facing_plane(scene["geometry"]["side"], DISTANCES)
-    )
-
-
-def full_order(scene: dict[str, Any], motion: dict[str, Any]) -> tuple[Any, dict[str, np.ndarray]]:
+def full_order(scene: Table, motion: Table) -> tuple[Any, dict[str, np.ndarray]]:
     """A motion, and columns with a row a step."""
     from fingerfem.dynamics.motion import motion_of
     from fingerfem.dynamics.simulation import Simulation
@@ -81,9 +56,9 @@ def full_order(scene: dict[str, Any], motion: dict[str, Any]) -> tuple[Any, dict
     return given, {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def followed(rod: Rod, scene: dict[str, Any], given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
+def followed(rod: Rod, prony: list[list[float]], given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
     """States of the rod at times but the first; where loads jump, a short step comes first."""
-    model = touching(rod, scene)
+    model = touching(rod, prony)
 
     def point(time: float, after: bool = False) -> np.ndarray:
         tensions, d = given.loads(time, after)
@@ -97,16 +72,16 @@ def followed(rod: Rod, scene: dict[str, Any], given: Any, times: np.ndarray, at_
         yield finger.step(point(now), now - finger.time, base, at_rest=at_rest)
 
 
-def tips(name: str, rod: Rod) -> dict[str, Any]:
+def tips(run: Run, finger: str, name: str) -> dict[str, Any]:
     """A motion: root mean square of the tip's error, over its largest displacement from where it began."""
-    scene = table(rod, PRONY)
-    given, full = full_order(scene, {"time": TIME} | MOTIONS[name])
+    rod = trained(run, finger)
+    given, full = full_order(table(rod, PRONY), {"time": TIME} | MOTIONS[name])
     theirs = np.array([full[f"tip_{axis}"] for axis in "xyz"]).T
-    states = list(followed(rod, scene, given, full["time"]))
+    states = list(followed(rod, PRONY, given, full["time"]))
     error = np.linalg.norm([one.tip for one in states] - theirs[1:], axis=1)
     way = np.linalg.norm(theirs - theirs[0], axis=1).max()
     return {
-        "converged": all(one.status == "converged" for one in states),
+        "marked": sum(one.status != "converged" for one in states),
         "way": float(way),
         "rms": float(np.sqrt(np.mean(error**2)) / way),
         "largest": float(error.max() / way),
@@ -115,9 +90,8 @@ def tips(name: str, rod: Rod) -> dict[str, Any]:
 
 def impact(rod: Rod) -> dict[str, Any]:
     """Relative errors of an impact's peak force, filtered, and of its impulse."""
-    scene = table(rod, PRONY, before_plane=True)
-    given, full = full_order(scene, IMPACT)
-    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(rod, scene, given, full["time"]))]
+    given, full = full_order(table(rod, PRONY, before_plane=True), IMPACT)
+    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(rod, PRONY, given, full["time"]))]
     forces, steps = (full["contact_force"], np.array(ours)), round(FILTER / SHORT)
     peaks = [float(np.convolve(one, np.ones(steps) / steps, "same").max()) for one in forces]
     impulses = [float(np.trapezoid(one, full["time"])) for one in forces]
@@ -131,9 +105,8 @@ def impact(rod: Rod) -> dict[str, Any]:
 
 def held(rod: Rod) -> dict[str, Any]:
     """An hour against the plane, in steps of a minute: relative errors of force and tip at its end."""
-    scene = table(rod, SLOW, before_plane=True)
-    given, full = full_order(scene, HELD)
-    *_, last = followed(rod, scene, given, full["time"], at_rest=True)
+    given, full = full_order(table(rod, SLOW, before_plane=True), HELD)
+    *_, last = followed(rod, SLOW, given, full["time"], at_rest=True)
     tip = np.array([full[f"tip_{axis}"][-1] for axis in "xyz"])
     return {
         "force": float(last.contact_forces[0] / full["contact_force"][-1] - 1),
@@ -142,24 +115,12 @@ def held(rod: Rod) -> dict[str, Any]:
     }
 
 
-def frequencies(rod: Rod) -> list[dict[str, float]]:
-    """The first three about random states: quantiles of relative errors."""
-    from fingerfem.dynamics.modes import ModalAnalysis
-    from fingerfem.scene.scene import Scene
-
-    full, model = ModalAnalysis(Scene.model_validate(table(rod))), touching(rod, table(rod))
-    finger = MovingFinger(model, np.append(np.zeros(len(LARGEST)), np.inf), DENSITY)
-    tensions = np.random.default_rng(SEED).uniform(0, LARGEST, (STATES, len(LARGEST)))
-    errors = [np.abs(finger.frequencies(one) / full.solve(one, count=3).frequencies - 1) for one in tensions]
-    return [quantiles(own) for own in np.array(errors).T]
-
-
 def order(rod: Rod) -> list[float]:
     """Exponents by which the rod's error falls as steps are halved."""
-    model = touching(rod, table(rod, PRONY))
+    model = touching(rod, PRONY)
 
     def tip(length: float) -> np.ndarray:
-        finger, count = MovingFinger(model, np.append(np.zeros(len(LARGEST)), np.inf), DENSITY), round(0.02 / length)
+        finger, count = MovingFinger(model, np.append(np.zeros(TENDONS), np.inf), DENSITY), round(0.02 / length)
         for k in range(1, count + 1):
             state = finger.step([2 * np.sin(np.pi * k / count / 2) ** 2, 0.0, 0.0, 0.0, np.inf], length)
         return state.tip
@@ -180,20 +141,20 @@ def step_times(rod: Rod) -> dict[str, float]:
             taken.append(time.perf_counter() - begun)
         return float(np.median(taken))
 
-    model, found = touching(rod, table(rod)), {}
+    model, found = touching(rod), {}
     answer = median(lambda: model.evaluate([4.0, 1.0, 0.0, 0.0, 0.006]))
     for name, prony, d in (("free", None, np.inf), ("contact", None, 0.006), ("branches", PRONY, 0.006)):
-        finger = MovingFinger(touching(rod, table(rod, prony)), [0.0, 0.0, 0.0, 0.0, d], DENSITY)
+        finger = MovingFinger(touching(rod, prony), [0.0, 0.0, 0.0, 0.0, d], DENSITY)
         found[name] = median(lambda finger=finger, d=d: finger.step([4.0, 1.0, 0.0, 0.0, d], 1e-3)) / answer
     return found | {"answer": 1e6 * answer}
 
 
 def measure(run: Run) -> dict[str, Any]:
     """All of it, part by part."""
-    rod = trained(run)
+    pairs = [(finger, name) for finger, names in OF.items() for name in names]
+    rod = trained(run, "square")
     return {
-        "frequencies": run.once("frequencies", frequencies, rod),
-        "tips": {name: run.once(name, tips, name, rod) for name in MOTIONS},
+        "tips": {f"{finger}, {name}": run.once(f"{finger}, {name}", tips, run, finger, name) for finger, name in pairs},
         "impact": run.once("impact", impact, rod),
         "held": run.once("held", held, rod),
         "order": run.once("order", order, rod),

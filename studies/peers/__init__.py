@@ -1,1 +1,1 @@
-"""What a user would pick instead, on the same finger."""
+"""Alternatives to this project, on the same finger."""

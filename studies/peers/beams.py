@@ -60,7 +60,7 @@ class Arc:
     finger: Finger
 
     def length(self, tension: float) -> float:
-        """Of the arc, shortened by the tendon to first order [m]."""
+        """Length of the arc, shortened by the tendon to first order [m]."""
         rubber = Rubber(self.finger)
         return rubber.length * (1 - tension / rubber.axial)
 

@@ -1,4 +1,4 @@
-"""What every alternative is asked: the paper's finger, pulled by F1 alone, in free space and against the plane.
+"""Common problem of all alternatives: the paper's finger, pulled by F1 alone, in free space and against the plane.
 
 Any Python can import this module; numbers are those of scenes/one_segment.toml. The finger lies along x and is clamped
 at x = 0, its section is a square centred on the axis, the tendon runs at y = offset, and the plane is y = side/2 + d.
@@ -29,13 +29,13 @@ CONTACT = (
 )
 
 
-# Of a tension [N] and a distance of the plane [m], None for free space: tip [m], shape (3,), and contact force [N].
+# Tip [m], shape (3,), and contact force [N] by a tension [N] and a distance of the plane [m], None for free space.
 Ask = Callable[[float, float | None], tuple[list[float] | None, float | None]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Finger:
-    """Its lengths [m] (`length` from clamp to tip, plate included) and constants C1 [Pa], D1 [1/Pa]."""
+    """Lengths of the finger [m] (`length` from clamp to tip, plate included) and constants C1 [Pa], D1 [1/Pa]."""
 
     length: float
     side: float
@@ -46,7 +46,7 @@ class Finger:
 
     @property
     def young(self) -> float:
-        """Of small strains [Pa]."""
+        """Young's modulus at small strains [Pa]."""
         return 2 * self.shear * (1 + self.poisson)
 
     @property
@@ -89,7 +89,7 @@ class Answers:
     limits: str
 
     def as_json(self) -> dict[str, Any]:
-        """For a part's file."""
+        """Plain data for a part's file."""
         return asdict(self)
 
 

@@ -11,14 +11,15 @@ from fingerfem.scene.sections import SHAPES, Section
 
 Table = dict[str, Any]
 SEED = 42
+ACROSS = 5  # cells
 SIDES, STIFFNESS = (3e-3, 0.1), (5e3, 5e6)  # largest extent of a section [m], C1 or half the shear modulus [Pa]
 POISSON = (0.3, 0.45, 0.49, 0.499, 0.4999)
 SLENDERNESS, TURN = (2.5, 6.0), (0.2, 2.0)  # length over extent [-]; of the tip by all tensions [rad]
 SHARES = {"taper": 0.3, "weight": 0.4, "layer": 0.3, "chamber": 0.3, "order 2": 0.1}  # of fingers that have it
 
 
-def finger(number: int, across: int) -> tuple[Table, list[float]]:
-    """A scene with cells across, and the tensions [N] and pressures [Pa] that it is solved at."""
+def finger(number: int) -> tuple[Table, list[float]]:
+    """A scene on few cells, and the tensions [N] and pressures [Pa] that it is solved at."""
     random = np.random.default_rng([SEED, number])
     extent, slenderness = _log(random, SIDES), float(random.uniform(*SLENDERNESS))
     names = sorted(SHAPES)
@@ -33,7 +34,7 @@ def finger(number: int, across: int) -> tuple[Table, list[float]]:
     tendons, pulled = _tendons(random, shape, young, length)
     along = int(np.ceil(1.6 * length / shape.depth / min([1.0, *geometry.get("taper", [])]))) + 1
     table: Table = {"name": f"random {number}", "section": section, "geometry": geometry, "material": material}
-    table |= {"tendons": tendons, "mesh": {"cells": [along, across], "order": 2 if has["order 2"] else 1}}
+    table |= {"tendons": tendons, "mesh": {"cells": [along, ACROSS], "order": 2 if has["order 2"] else 1}}
     if has["weight"]:
         table["gravity"] = {"density": float(random.uniform(900, 1300)), "direction": random.normal(size=3).tolist()}
     if has["layer"]:

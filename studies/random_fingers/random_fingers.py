@@ -22,19 +22,20 @@ from studies.cores import on_cores
 from studies.parts import Run
 from studies.random_fingers import drawn
 
-COUNT, TOGETHER = 100, 10  # fingers; of a call
-CELLS = range(5, 16)  # across, tried in this order
+COUNT, KEPT, TOGETHER = 200, 40, 5  # fingers; of those that an interrupted run keeps at once; of a call
+CELLS = 60, 15  # most cells along and across
 BALANCE = 1e-6  # largest reaction of the clamp, but for weight and pressure there, over E A [-]
 
 
 def row(number: int) -> dict[str, Any]:
-    """What became of a finger."""
-    table, loads = drawn.finger(number, CELLS[0])
+    """Outcome of a finger."""
+    table, loads = drawn.finger(number)
     found = {"number": number, "shape": table["section"]["shape"], "law": table["material"]["law"]}
-    found |= {"nu": table["material"]["nu"], "outcome": "ERROR", "reason": None, "seconds": None, "iterations": None}
+    found |= {"nu": table["material"]["nu"], "outcome": "ERROR", "reason": None}
+    found |= {"seconds": None, "iterations": None, "wasted": None}
     begun = time.perf_counter()
     try:
-        model = FingerModel(_fitting(number))
+        model = FingerModel(_fitting(table))
         state = model.solve(loads)
     except ValidationError as error:
         return found | {"outcome": "refused", "reason": one_line(error)}
@@ -43,31 +44,35 @@ def row(number: int) -> dict[str, Any]:
     except Exception as error:  # the study's question
         return found | {"reason": f"{type(error).__name__}: {error}".splitlines()[0]}
     found |= {"seconds": time.perf_counter() - begun, "iterations": state.newton_iterations}
+    found |= {"wasted": model.continuation.wasted}
     if not _is_balanced(model, state):
         return found | {"reason": f"the clamp's reaction is {state.clamp_reaction} N"}
     return found | {"outcome": "marked" if state.marks else "solved", "reason": state.marks[0] if state.marks else None}
 
 
-def _fitting(number: int) -> Scene:
-    """The scene on the fewest cells across that fit its channels, as the refusal of fewer says."""
-    for across in CELLS:
+def _fitting(table: drawn.Table) -> Scene:
+    """The scene on the fewest cells along and across that it fits, as the refusal of fewer says."""
+    cells = table["mesh"]["cells"]
+    while True:
         try:
-            return Scene.model_validate(drawn.finger(number, across)[0])
+            return Scene.model_validate(table)
         except ValidationError as error:
-            if across == CELLS[-1] or "cells" not in one_line(error):
+            reason = one_line(error)
+            axis = 0 if "mesh.cells[0]" in reason else 1
+            if "cells" not in reason or cells[axis] == CELLS[axis]:
                 raise
-    raise AssertionError
+            cells[axis] += 1
 
 
 def _is_balanced(model: FingerModel, state: State) -> bool:
-    """Whether the clamp carries weight alone, all numbers are finite, and no cell is turned over."""
+    """True if the clamp carries weight alone, all numbers are finite, and no cell is turned over."""
     weight = model.problem.comm.allreduce(_weight(model))
     unbalanced = float(np.abs(state.clamp_reaction + weight).max()) / model.problem.force_scale
     return unbalanced < BALANCE and state.smallest_volume_ratio > 0 and bool(np.isfinite(state.displacement).all())
 
 
 def _weight(model: FingerModel) -> np.ndarray:
-    """Of the whole finger, from its residual at rest without other loads, shape (3,) [N]."""
+    """Weight of the whole finger, from its residual at rest without other loads, shape (3,) [N]."""
     model.continuation.start(np.zeros(len(model.scene.actuators)), None, np.zeros_like(model.problem.displacement))
     residual, reaction = model.problem.residual()
     forces = model.problem.copies * residual.array_r.reshape(-1, 3).sum(axis=0)
@@ -98,8 +103,11 @@ def measure(run: Run) -> list[dict[str, Any]]:
     Raises:
         SystemExit: a finger is neither solved, nor marked, nor refused.
     """
-    calls = [(first,) for first in range(0, COUNT, TOGETHER)]
-    found = [one | {"kind": kind(one["reason"])} for part in run.once("fingers", on_cores, rows, calls) for one in part]
+    found = []
+    for begin in range(0, COUNT, KEPT):
+        calls = [(first,) for first in range(begin, begin + KEPT, TOGETHER)]
+        parts = run.once(f"fingers from {begin}", on_cores, rows, calls)
+        found += [one | {"kind": kind(one["reason"])} for part in parts for one in part]
     for one in found:
         if one["outcome"] == "ERROR":
             print(f"  {one}", flush=True)

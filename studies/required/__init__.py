@@ -1,1 +1,1 @@
-"""What each kind of scene costs: docs/appendix.md."""
+"""Cost of each kind of scene: docs/appendix.md."""

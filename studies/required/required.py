@@ -35,7 +35,7 @@ def scenes() -> dict[str, dict[str, Any]]:
 
 
 def row(name: str, table: dict[str, Any], run: Run) -> dict:
-    """What one scene costs."""
+    """Cost of one scene."""
     scene = Scene.model_validate(table)
     model = FingerModel(scene)
     file = sets.written(run.folder, name.replace(",", ""), sets.as_toml(scene.model_dump(mode="json")))

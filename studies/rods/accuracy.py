@@ -33,7 +33,7 @@ def row(run: Run, plan: Plan, lines: int) -> dict:
 
 
 def measure(run: Run) -> list[dict]:
-    """By largest force, mesh and number of lines."""
+    """Errors by largest force, mesh and number of lines."""
     tries = [(plan, plan.lines) for plan in (plans.SMALL, plans.FINE, plans.HIGHER)]
     tries[2:2] = [(plans.LARGE, lines) for lines in LINES]
     return [

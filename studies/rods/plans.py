@@ -33,7 +33,7 @@ class Plan:
 
     @property
     def name(self) -> str:
-        """For files and tables."""
+        """Name of the plan in files and tables."""
         mesh = "" if self.mesh is None else f", {self.mesh[0]} x {self.mesh[1]} order {self.mesh[2]}"
         return f"{self.force:g} N{mesh}{'' if self.offsets is None else f', {len(self.offsets)} tendons'}"
 

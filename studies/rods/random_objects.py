@@ -81,7 +81,7 @@ def anywhere(finger: Rod, pulled: np.ndarray, random: np.random.Generator, shape
 
 
 def clear_of_clamp(finger: Rod, table: Table, d: float) -> bool:
-    """Whether an obstacle at d [m] is away from the clamped section."""
+    """True if an obstacle at d [m] is away from the clamped section."""
     from fingerfem.mechanics.obstacles import NUMPY, bodies
     from fingerfem.scene.obstacle import Obstacle
 

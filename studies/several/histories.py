@@ -20,7 +20,7 @@ from studies.rods.random_objects import DEPTHS, DISTANCE, anywhere, at_plate, cl
 COUNT, INCREMENTS = 16, 4  # histories of every kind; increments between two points
 PULLED, FORCES = ((15.0, 80.0), (0.0, 40.0)), (0.3, 6.0)  # tensions, and force without friction at first [N]
 FRICTION, ASIDE, CHANGED = (0.2, 0.8), 1.5e-3, 8.0  # coefficients [-]; motions of the plane [m] and of tensions [N]
-ALONG = {"plate": 2e-4, "rubber": 5e-4}  # what is touched first; motion of the object along its direction [m]
+ALONG = {"plate": 2e-4, "rubber": 5e-4}  # part that is touched first; motion of the object along its direction [m]
 SHAPES = {"plate": ("plane",), "rubber": ("sphere", "cylinder", "box")}
 HALF = 0.5  # of the normal force [-]: a finger slides if more of it is at points that slide
 

@@ -10,7 +10,7 @@ from rom.export.fmu.variables import model_interface
 from rom.export.rod_header import rod_header
 from rom.rod.objects.shapes import facing_plane
 from rom.rod.touched_segment import TouchedSegment
-from tests.rom.elements.chambered_rod import HIGHEST
+from tests.rom.elements.chambered_rod import HIGHEST, two_segments
 
 UPPER = [10.0, HIGHEST, 0.0]  # the upper chamber would bulge the face that touches
 
@@ -41,6 +41,24 @@ def test_points_are_reached_and_the_plane_is_found(model):
     loads = [0.5, 0.9 * HIGHEST, 0.0]
     felt = float(model.evaluate([*loads, 0.001]).contact_force)
     assert felt > 0.1 and finger.locate(loads, felt).distance == pytest.approx(0.001, abs=1e-6)
+
+
+def test_two_segments_are_moved_by_their_own_pressures(chambered):
+    """Points in reach of lower chambers under pressure in both segments, and a force before a plane."""
+    rod = chambered.assembled(two_segments())
+    model = TouchedSegment(rod=rod, obstacle=facing_plane(0.010, (0.0, 0.020)))
+    upper, random = np.array([10.0, HIGHEST, 0.0, HIGHEST, 0.0]), np.random.default_rng(0)
+    finger = Finger(model, Limits(upper=upper))
+    for _ in range(10):
+        tip = model.evaluate([*(upper * random.random(5)), np.inf]).tip
+        motion = finger.reach(finger.rest + tip)
+        assert motion.converged and motion.residual < 1e-4
+    motion = finger.hold(0.05, 0.004)
+    assert motion.converged
+    assert model.evaluate([*motion.tensions, 0.004]).contact_force == pytest.approx(0.05, abs=2e-6)
+    text = rod_header(model, "arm")
+    assert "p4 [Pa] from 0 to 500000" in text and "arm_TENSIONS = 5" in text
+    assert {each.name: each.unit for each in model_interface(model).of("output")}["growth_p4"] == "m3"
 
 
 def test_what_is_refused_names_pressures(model):

@@ -123,7 +123,7 @@ def test_in_real_time_it_keeps_its_rate(table, gripper):
 def test_wrong_numbers_are_refused(table, gripper):
     with pytest.raises(ValueError, match="one for each of 3 fingers, got 1"):
         run(gripper.grips(1.0, OPTIONS), plants_of(table)[:1], 10)
-    with pytest.raises(ValueError, match="periods must be at least 1, got 0"):
+    with pytest.raises(ValueError, match="periods must be an integer of at least 1, got 0"):
         run(gripper.grips(1.0, OPTIONS), plants_of(table), 0)
     with pytest.raises(ValueError, match="approach_step must be above 0, got 0"):
         GraspOptions(approach_step=0)

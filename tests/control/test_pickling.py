@@ -106,7 +106,7 @@ CLASSES = {
             circle([0.01, 0.01], 0.002, 4.0, 5e-3, 0.5),
             control.TrackingOptions(period=5e-3, density=1100.0),
         ),
-        lambda one: [one.step([0.047, 0.011, 0.01]).copy() for _ in range(3)],
+        lambda one: [one.step(tip=[0.047, 0.011, 0.01]).copy() for _ in range(3)],
     ),
     "TrackingOptions": (lambda table: control.TrackingOptions(noise=1e-4), lambda one: [one.noise]),
     "Grip": (

@@ -1,4 +1,4 @@
-"""How tests run the farm and compare what it made."""
+"""Runs of the farm in tests, and comparison of their sets."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""What a model answers beside the full-order model."""
+"""Comparison of a model's answers with the full-order model."""
 
 import json
 import subprocess

@@ -17,7 +17,7 @@ ALONG, SIDE = (0.1, 0.2, 1.0), 0.010
 
 @pytest.fixture(scope="module")
 def page():
-    """What the page's code defines."""
+    """Names that the page's code defines."""
     names: dict = {"__name__": "__main__"}
     for code in re.findall(r"```python\n(.*?)```", (DOCS / "howto" / "extend.md").read_text(), re.DOTALL):
         exec(compile(code, "docs/howto/extend.md", "exec"), names)

@@ -95,7 +95,7 @@ SHAPES = {
 @pytest.mark.long
 @pytest.mark.parametrize("shape", SHAPES)
 def test_round_objects_drag_the_rubber_along(table, shape):
-    """What slides is on the cone of its nodes; without friction it is the frictionless state; work is dissipated."""
+    """Sliding nodes are on their cones; without friction the state is the frictionless one; work is dissipated."""
     friction, model = 0.3, before(table, SHAPES[shape])
     touch = model.solve([10.0, 0.0], None, sensitivities=False).touch_distance
     points = [[10.0, 0.0, touch - depth] for depth in (0.0005, 0.001, 0.0015)]

@@ -1,4 +1,4 @@
-"""A rod of three materials beside the full-order model: rubber, a stiff layer at a face, a heavy core; with weight."""
+"""Rods of several materials against the full-order model: a stiff layer and a heavy core, with weight and taper."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from farm import run
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
-from rom import TouchedSegment
+from rom import Rod, TouchedSegment
 from rom.build import train_rod
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.objects.shapes import facing_plane
@@ -19,6 +19,7 @@ HANGS = {"density": 1070.0, "direction": [-0.6, 0.8, 0.0]}
 # Largest errors on the trained mesh: of the free tip over its displacement, and of contact forces. Measured: 0.030 and
 # 0.38 %; with weight 0.14 and 0.88 %, as it acts at the ends of five elements. The core's is 1 % of the displacement.
 ERRORS = [({}, 5e-4, 5e-3), ({"gravity": HANGS}, 2e-3, 1e-2)]
+THINNER, OF_TAPER = 0.8, (1e-2, 2e-2)  # taper, and the same of a tapered finger, whose layer shears the soft rubber
 STIFF = {"law": "neo-hookean", "C1": 5e6, "D1": 4e-8}  # 50 times the rubber
 LAYER = {"name": "layer", "region": "rectangle", "centre": [-0.0045, 0.0], "size": [0.001, 0.010], "material": STIFF}
 CORE = {"name": "core", "region": "rectangle", "centre": [0.0, 0.0], "size": [0.002, 0.002], "material": STIFF}
@@ -42,18 +43,29 @@ def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
     run(2, tmp_path / "scene.toml", tmp_path / "set")
     trained = train_rod(SnapshotSet(tmp_path / "set"), {}, [])
     for more, of_tip, of_force in ERRORS:
-        rod = trained.assembled(trained.scene | more)
-        model = TouchedSegment(rod=rod, obstacle=facing_plane(0.01, (0.0, 0.03)))
-        full = FingerModel(Scene.model_validate(TABLE | more | {"obstacle": {"distance": [0.001, 0.03]}}))
-        for tensions in TENSIONS:
-            free = model.evaluate([*tensions, np.inf])
-            distance = DEPTH * float(free.touch_distance)
-            pressed = model.evaluate([*tensions, distance])
-            tip = full.solve(tensions, sensitivities=False).tip
-            force = full.solve(tensions, distance, sensitivities=False).contact_force
-            assert free.inside and pressed.inside and force > 0.05
-            assert np.linalg.norm(free.tip - tip) < of_tip * np.linalg.norm(tip)
-            assert float(pressed.contact_force) == pytest.approx(force, rel=of_force)
+        compare(trained, TABLE | more, TENSIONS, of_tip, of_force)
+    tendons = [one | {"tension": [0.0, 4.0 * THINNER**2]} for one in TABLE["tendons"]]
+    # cells as long over their sections as the trained ones: 12 over the same number of sides, one of them the plate's
+    length = 0.044 * (1 - THINNER) / -np.log(THINNER) + 0.001 * THINNER
+    geometry = TABLE["geometry"] | {"segments": [float(length)], "taper": [THINNER]}
+    compare(trained, TABLE | {"geometry": geometry, "tendons": tendons}, TENSIONS * THINNER**2, *OF_TAPER)
+
+
+def compare(trained: Rod, table: dict[str, Any], tensions: np.ndarray, of_tip: float, of_force: float) -> None:
+    """Free and before a plane, at tensions [N]; the largest errors of the tip and of the force [-]."""
+    rod = trained.assembled(table)
+    model = TouchedSegment(rod=rod, obstacle=facing_plane(0.01, (0.0, 0.03)))
+    full = FingerModel(Scene.model_validate(table | {"obstacle": {"distance": [0.001, 0.03]}}))
+    for pulled in tensions:
+        free = model.evaluate([*pulled, np.inf])
+        distance = DEPTH * float(free.touch_distance)
+        pressed = model.evaluate([*pulled, distance])
+        tip = full.solve(pulled, sensitivities=False).tip
+        force = full.solve(pulled, distance, sensitivities=False).contact_force
+        assert free.inside and pressed.inside and force > 0.05
+        off = float(np.linalg.norm(free.tip - tip))
+        assert off < of_tip * np.linalg.norm(tip) and off < free.error["tip"]
+        assert float(pressed.contact_force) == pytest.approx(force, rel=of_force)
 
 
 def toml(table: dict[str, Any]) -> str:

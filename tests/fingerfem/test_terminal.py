@@ -1,4 +1,4 @@
-"""What a person at a terminal sees of the full-order model, the farm and the demo, and what Ctrl-C leaves."""
+"""Output on a terminal of the full-order model, the farm and the demo, also after Ctrl-C."""
 
 import re
 import shutil
@@ -45,7 +45,7 @@ def contacts(folder: Path) -> list[str]:
 
 
 def unfinished(folder: Path) -> str:
-    """What a bar shows before all lines that were left are solved, from none on: they take tenths of a second."""
+    """Texts of a bar before all lines that were left are solved, from none on: they take tenths of a second."""
     total = len(list(folder.glob("tasks/*.npz"))) + LEFT
     return "|".join(f" {total - k}/{total} " for k in range(1, LEFT + 1))
 

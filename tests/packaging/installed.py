@@ -1,4 +1,4 @@
-"""What an installed environment can do: every module, every command's help, a model, a controller and a simulation.
+"""Test of an installed environment: every module, every command's help, a model, a controller and a simulation.
 
 python3 installed.py, outside the checkout. Prints the modules that were imported, as JSON.
 """

@@ -1,4 +1,4 @@
-"""Pages written by hand have no avoided words and no sentence that is too long; the check finds both."""
+"""Pages and code have no avoided words, too long sentences or docstrings that begin with fragments; all are found."""
 
 import importlib.util
 from pathlib import Path
@@ -25,3 +25,23 @@ def test_long_sentences_are_found_and_code_and_tables_are_not_read():
     page = f"# {words}\n\nShort.\n\nThis is {words.strip()}.\n\n```\n{words}\n```\n\n| {words} |\n"
     assert [line for line, _ in language.too_long(page)] == [5]
     assert not list(language.too_long(f"{words[:60].strip()}. {words[:60].strip()}.\n"))
+
+
+def test_docstrings_that_begin_with_a_fragment_are_found_and_questions_are_not():
+    code = '''"""A module. Where it ends is open."""
+
+
+class One:
+    """Of a class."""
+
+    def what(self):
+        """Whether it is 1.5; of what: Howard.
+
+        What follows a blank line.
+
+            How is 0.5 N held?
+        """
+        return "What it says."  # How it ends
+'''
+    found = [(line, complaint.split("'")[1]) for line, complaint in language.openings(code)]
+    assert found == [(1, "Where"), (5, "Of"), (8, "Whether"), (10, "What")]

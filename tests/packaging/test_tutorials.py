@@ -40,7 +40,7 @@ def test_code_runs_and_prints_what_the_page_shows(page, tmp_path):
 
 
 def words(text: str) -> list[str]:
-    """What is left without numbers, however far apart."""
+    """Words of a text without its numbers, however far apart."""
     return NUMBER.sub("", text).split()
 
 

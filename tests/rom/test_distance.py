@@ -39,7 +39,7 @@ def test_only_distances_of_the_parameter_and_infinity_are_inside(name, table):
 
 @pytest.mark.parametrize("name", ["table", *MODELS])
 def test_c_alone_marks_the_same_distances(name, table):
-    """What an FMU and the page in a browser compute."""
+    """An FMU and the page in a browser compute this."""
     model = table if name == "table" else MODELS[name]()
     own, (lower, upper) = struct(model), (float(end[-1]) for end in model.limits)
     memory = np.empty(LIBRARY.functions.fingerfem_model_memory(own))

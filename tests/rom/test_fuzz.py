@@ -24,7 +24,7 @@ SANITIZED = "-g -fsanitize=address,undefined -fno-sanitize-recover=undefined"
 
 
 def sanitizers() -> list[str]:
-    """Where the compiler's run-time libraries are; none if it has none."""
+    """Paths of the compiler's run-time libraries; none if it has none."""
     files = [
         subprocess.run([*compiler().split(), f"-print-file-name={name}"], capture_output=True, text=True).stdout.strip()
         for name in ("libasan.so", "libubsan.so")
@@ -53,7 +53,7 @@ def sources(request) -> list[Path]:
 
 
 def counted(sources: list[Path], folder: Path, cache: Path, files: int, seed: int) -> dict:
-    """What came of so many wrong files, under sanitizers."""
+    """Counts of outcomes of so many wrong files, under sanitizers."""
     random, made = np.random.default_rng(seed), {}
     for k in range(files):
         made[f"{k:05d}.h5"] = fuzzed.write(sources[k % len(sources)], folder / f"{k:05d}.h5", random)

@@ -41,7 +41,7 @@ def test_the_leading_tension_is_the_one_of_the_steepest_slope_and_not_of_the_lar
 
 
 def test_the_leading_tension_is_that_of_the_middle_of_the_ranges():
-    """Of F1 the slope is 1 + 2 (0.25) F1: 1 at no tension, 3.5 in the middle, 6 at the end."""
+    """The slope by F1 is 1 + 2 (0.25) F1: 1 at no tension, 3.5 in the middle, 6 at the end."""
     assert Closed([1.0, 3.4], 0.25).lead == 0 and Closed([1.0, 3.6], 0.25).lead == 1
 
 

@@ -16,7 +16,7 @@ def rod():
 
 
 def snapshots(states: int, failed: int):
-    """What a summary reads of a set."""
+    """Attributes that a summary reads of a set."""
     description = SimpleNamespace(
         fingerprint="f",
         versions={"v": 1},

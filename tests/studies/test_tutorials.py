@@ -115,7 +115,7 @@ def of_material() -> list[str]:
 
 
 def followed(page: str, smaller: dict[str, str], folder: Path) -> str:
-    """What the last code of a tutorial prints: its files and commands, in their order, with texts replaced."""
+    """Output of a tutorial's last code, after its files and commands in their order, with texts replaced."""
     page = page.replace("mine/", f"{folder}/")
     assert all(page.count(text) == 1 for text in smaller)
     for before, after in smaller.items():

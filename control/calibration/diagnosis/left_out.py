@@ -45,7 +45,7 @@ def _read(measured: Measured, fit: Fit, motor: str) -> np.ndarray:
 def sizes(measured: Measured, group: str, residuals: np.ndarray) -> np.ndarray:
     """Sizes of the residuals of a group, shape (n,): of vectors their length, of tendons the largest; nan if unused."""
     own = np.array(measured.columns) == group
-    used = measured.used[:, own] & np.isfinite(measured.given[:, own])
+    used = measured.used[:, own] & np.isfinite(measured.readings[:, own])
     values = np.abs(residuals[:, own])
     found = np.linalg.norm(values, axis=1) if group in ("position", "orientation") else values.max(axis=1)
     return np.where(used.any(axis=1), found, np.nan)

@@ -80,8 +80,10 @@ def within_domain(measured: Measured, found: Fit, noise: Mapping[str, float]) ->
             )
         measured = replace(measured, log=measured.log.only(~beyond))
         found = fit(measured, noise, replace(found, tensions=found.tensions[~beyond]))
-    lines = f"lines {', '.join(map(str, sorted(gone)))}" if len(gone) > 1 else f"line {gone[0]}" if gone else ""
-    return measured, found, [f"beyond the trained domain at the fitted parameters: {lines}; left out"] if gone else []
+    if not gone:
+        return measured, found, []
+    lines = f"line{'s' if len(gone) > 1 else ''} {', '.join(map(str, sorted(gone)))}"
+    return measured, found, [f"beyond the trained domain at the fitted parameters: {lines}; left out"]
 
 
 def _lines(measured: Measured, rows: np.ndarray) -> str:

@@ -44,7 +44,7 @@ class Effect:
 
     @property
     def significant(self) -> bool:
-        """Whether it is worth a warning."""
+        """True if it is worth a warning."""
         return abs(self.size) > max(SURE * self.deviation, WORTH)
 
     @property

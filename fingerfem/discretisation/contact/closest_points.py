@@ -1,4 +1,4 @@
-"""Springs between the facets of stiff plates and a round obstacle, where they are nearest to each other.
+"""Springs at the closest points between the facets of stiff plates and a round obstacle.
 
 A plate of steel touches a ball at one point, which moves along the plate as the ball rolls. Springs that stand still
 would be beside it, with another normal, and Newton's method would go from one to the next. So a facet has a spring at
@@ -12,7 +12,7 @@ derivative by the nodes is that at a fixed place, n N; its second one counts tha
 
 with the obstacle's normal n, the normal's gradient C and the facet's shape functions N.
 
-Where a facet lies flush on the obstacle any point is nearest, and round-off would choose another in every iteration. So
+If a facet lies flush on the obstacle any point is nearest, and round-off would choose another in every iteration. So
 facets and edges are taken for slightly domed: a point's gap grows by DOME/2 times its squared distance from the middle
 over the facet's size, by a millionth of that size at the edge. The nearest point of a flush facet is then its middle.
 """
@@ -35,14 +35,14 @@ ITERATIONS, HALVINGS, SETTLED = 60, 30, 1e-13  # towards the nearest points; of 
 DOME = 1e-5  # curvature that facets and edges are given, times the facet's size [-]
 FLATTEST = 1e-3  # of that curvature: what is less curved does not move its nearest point [-]
 START = np.array([[s, t] for s in np.linspace(0, 1, 5) for t in np.linspace(0, 1, 5)])
-# What may move at a facet's springs, (s, t), and where they begin: within, on its edges, at its corners.
+# Free coordinates, (s, t), of a facet's springs, and their start: within, on its edges, at its corners.
 FREE = np.array([[1, 1], [1, 0], [1, 0], [0, 1], [0, 1], [0, 0], [0, 0], [0, 0], [0, 0]], bool)
 FIXED = np.array([[0, 0], [0, 0], [0, 1], [0, 0], [1, 0], [0, 0], [1, 0], [0, 1], [1, 1]], float)
 
 
 @dataclass(frozen=True)
 class Springs:
-    """What springs do at one displacement, by facets that press.
+    """Forces and stiffness of springs at one displacement, by facets that press.
 
     Attributes:
         nodes: local indices, shape (m, n).
@@ -114,7 +114,7 @@ class ClosestPoints:
         self._domes = DOME * squares / np.sqrt(squares.sum(axis=1, keepdims=True))  # by (s, t), shape (facets, 2) [m]
 
     def springs(self, displacement: np.ndarray, distance: float, held: bool = False) -> Springs:
-        """At nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
+        """Springs at nodal displacements, shape (3 nodes,), and the obstacle's distance [m].
 
         If contact is held and nothing presses, the spring that is nearest to the obstacle pulls (collective).
         """
@@ -197,7 +197,7 @@ class Facets:
         self._body, self._distance = body, distance
 
     def gaps(self, at: np.ndarray) -> np.ndarray:
-        """At local places, shape (m, 2): shape (m,) [m]."""
+        """Gaps at local positions, shape (m, 2); shape (m,) [m]."""
         values = tables(self._element, 0, at)[0]
         x = np.einsum("mn,mni->mi", values, self._places)
         domed = np.sum(self._domes * (at - 0.5) ** 2, axis=1) / 2
@@ -216,7 +216,7 @@ class Facets:
         return shapes, along, slope, bend, normal, turning
 
     def nearest(self, start: np.ndarray, free: np.ndarray) -> np.ndarray:
-        """Where the gap is least, shape (m, 2), by projected Newton steps in what is free, shape (m, 2)."""
+        """Points of least gap, shape (m, 2), by projected Newton steps in the free coordinates, shape (m, 2)."""
         at, value = start.copy(), np.full(len(start), np.inf)
         for begin in START:
             tried = np.where(free, begin, start)
@@ -247,7 +247,7 @@ class Facets:
         return at
 
     def derivatives(self, at: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of the gaps at nearest points by the nodes: shapes (m, n, 3) [-] and (m, 3 n, 3 n) [1/m]."""
+        """Gradient and Hessian of gaps at nearest points by nodes, shapes (m, n, 3) [-] and (m, 3 n, 3 n) [1/m]."""
         shapes, along, _, bend, normal, turning = self._bent(at)
         gradient = shapes[:, 0, :, None] * normal[:, None]
         m, n = gradient.shape[:2]

@@ -71,7 +71,7 @@ class SurfaceFacets:
         self.rest = space.tabulate_dof_coordinates()[self.nodes]
 
     def places(self, displacement: np.ndarray) -> np.ndarray:
-        """Of their nodes at nodal displacements, shape (3 nodes,); shape (facets, n, 3) [m]."""
+        """Positions of the facets' nodes, shape (facets, n, 3) [m], at nodal displacements, shape (3 nodes,) [m]."""
         return np.asarray(self.rest + displacement.reshape(-1, 3)[self.nodes])
 
     def shapes(self, at: np.ndarray) -> np.ndarray:

@@ -260,7 +260,7 @@ def _by_facet(nodes: np.ndarray, *values: np.ndarray) -> list[np.ndarray]:
 
 
 def _between_nodes(weights: np.ndarray, blocks: np.ndarray) -> np.ndarray:
-    """Of points' blocks, shape (m, 3, 3), those of their n nodes, shape (m, 3 n, 3 n)."""
+    """Blocks of the n nodes around points, shape (m, 3 n, 3 n), from the points' blocks, shape (m, 3, 3)."""
     m, n = weights.shape
     return np.asarray(np.einsum("ma,mij,mb->maibj", weights, blocks, weights).reshape(m, 3 * n, 3 * n))
 

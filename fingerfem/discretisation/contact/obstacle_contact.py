@@ -1,4 +1,4 @@
-"""What the obstacle and the finger do to each other: by the compiled forms, and by springs at closest points."""
+"""Contact of obstacle and finger: by the compiled forms, and by springs at closest points."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class BodyContact:
         self.forms, self.direction = forms, np.array(body.direction)
         self._assembly, self._fields, self._held = assembly, fields, False
         self.closest = None if stiff is None else ClosestPoints(assembly.space, *stiff, body)
-        self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # what `_found` is of
+        self._known: tuple[np.ndarray, float, bool] = np.zeros(0), 0.0, False  # state that `_found` belongs to
         self._found = NONE
 
     def weigh(self, factor: float) -> None:
@@ -47,7 +47,7 @@ class BodyContact:
             self._known = np.zeros(0), 0.0, False
 
     def springs(self) -> Springs:
-        """Those of this rank that press."""
+        """Springs of this rank that press."""
         if self.closest is None:
             return NONE
         now = self._fields.u.x.array, float(self._fields.distance.value), self._held
@@ -76,7 +76,7 @@ class BodyContact:
         return self._assembly.scalar(self.forms.force) + self._assembly.summed(float(along))
 
     def moved(self) -> np.ndarray:
-        """How the springs' force along the body's direction changes with their nodes, shape (m, n, 3) [N/m]."""
+        """Derivative of the springs' force along the body's direction by their nodes, shape (m, n, 3) [N/m]."""
         found = self.springs()
         m, n = found.nodes.shape
         return np.einsum("i,maibj->mbj", self.direction, found.stiffness.reshape(m, n, 3, n, 3))
@@ -97,7 +97,7 @@ class ObstacleContact:
         self._stiffness = float(fields.stiffness.value)
 
     def springs(self) -> Springs:
-        """Those of this rank that press."""
+        """Springs of this rank that press."""
         found = [one.springs() for one in self.bodies]
         if self.friction is not None:
             found.append(self.friction.springs())
@@ -110,7 +110,7 @@ class ObstacleContact:
             one.weigh(factor)
 
     def hold(self, held: bool) -> None:
-        """Whether plates that press on a round body now keep contact during Newton's iterations.
+        """Sets whether plates that press on a round body now keep contact during Newton's iterations.
 
         Otherwise an iterate that leaves it by a nanometre would lose all contact, and the next one would be the free
         finger's.
@@ -128,7 +128,7 @@ class ObstacleContact:
         return self._scalar("energy") + self._assembly.summed(self.springs().energy)
 
     def forces(self) -> np.ndarray:
-        """Of every body, along the direction in which d moves it, N = -dP/dd, shape (bodies,) [N]."""
+        """Contact forces of all bodies, each along its motion by d, N = -dP/dd, shape (bodies,) [N]."""
         return np.array([one.force() for one in self.bodies])
 
     def force(self) -> float:
@@ -153,7 +153,7 @@ class ObstacleContact:
         return found
 
     def penetration(self) -> float:
-        """How far plates are inside a round body at most [m]."""
+        """Largest penetration of plates into a round body [m]."""
         return -float(self._assembly.comm.allreduce(float(self.springs().gaps.min(initial=0.0)), op=MPI.MIN))
 
     def gap_work(self) -> float:
@@ -161,13 +161,13 @@ class ObstacleContact:
         return self._scalar("gap_work") + self._assembly.summed(self.springs().work)
 
     def nodal_force(self) -> np.ndarray:
-        """What this rank's nodes, ghosts included, press on the obstacle with, shape (nodes, 3) [N]."""
+        """Forces of this rank's nodes, ghosts included, on the obstacle, shape (nodes, 3) [N]."""
         first, *others = (one.forms.nodal_force for one in self.bodies)
         pressed = self._assembly.nodal(first, self.spring_forces())
         return np.asarray(pressed + sum(map(self._assembly.nodal, others)))
 
     def spring_forces(self) -> np.ndarray:
-        """This rank's springs' part of it, before it is summed over ranks, shape (nodes, 3) [N]."""
+        """Nodal forces of this rank's springs, before they are summed over ranks, shape (nodes, 3) [N]."""
         found = self.springs()
         return self._nodal(found.nodes, found.forces)
 

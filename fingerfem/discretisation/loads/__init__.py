@@ -1,1 +1,1 @@
-"""What acts on the finger: actuators, weight, and wrenches on its plates."""
+"""Loads of the finger: actuators, weight, and wrenches on its plates."""

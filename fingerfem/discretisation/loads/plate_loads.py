@@ -81,7 +81,7 @@ class PlateLoads:
     def following(self, poses: list[Pose], wrenches: np.ndarray) -> LowRank:
         """Change of the nodal forces with the displacement [N/m]: forces that turn with their plates, rank 3 each.
 
-        What a plate's own stretching does, a millionth of that, is left out.
+        The effect of a plate's own stretching, a millionth of that, is left out.
         """
         left, right = [], []
         for plate, at, wrench in zip(self._plates, poses, wrenches, strict=True):
@@ -92,7 +92,7 @@ class PlateLoads:
         return LowRank(np.array(left), np.array(right)) if left else LowRank(empty, empty)
 
     def motion(self, poses: list[Pose], change: np.ndarray) -> np.ndarray:
-        """How the plates move with owned displacements, shape (3 nodes,): R^T dc and R^T dtheta, shape (plates, 6)."""
+        """Motions of the plates by owned displacements, shape (3 nodes,): R^T dc and R^T dtheta, shape (plates, 6)."""
         found = []
         for plate, at in zip(self._plates, poses, strict=True):
             centre, moment = (self._sum(part) for part in plate.change(change.reshape(-1, 3)))

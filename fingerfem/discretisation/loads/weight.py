@@ -1,4 +1,4 @@
-"""What densities make: the finger's mass, and its weight, a dead load that is the same in every state."""
+"""Mass of the finger by its densities, and its weight, a dead load that is the same in every state."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What actuators do work on: lengths of channels, volumes of chambers."""
+"""Strokes of actuators: lengths of channels, volumes of chambers."""

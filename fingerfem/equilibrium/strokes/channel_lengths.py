@@ -1,4 +1,4 @@
-"""How much shorter every tendon's channel has become between the clamp and each cross-section.
+"""Shortening of every tendon's channel between the clamp and each cross-section.
 
 The length of a channel between two sections is the integral of |F e_x| over its cells there, divided by its area, as in
 `mechanics.tendons`: integrated cell by cell with a test function that is constant on each.

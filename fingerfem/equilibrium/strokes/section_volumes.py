@@ -1,6 +1,6 @@
-"""How much every chamber has grown between the clamp and each cross-section.
+"""Growth of every chamber between the clamp and each cross-section.
 
-What lies before a section is closed there by the cone from the chamber's edge to the section's position c. No part of a
+The part before a section is closed there by the cone from the chamber's edge to the section's position c. No part of a
 cone's area is seen from its tip, so that with N outward of the rubber and W the wall at rest before the section
 
     V = -1/3 integral over W of (x - c) . cof(F) N dA = M - c . A,
@@ -75,7 +75,7 @@ class SectionVolumes:
         problem.displacement[:] = state
 
     def integrals(self, changes: np.ndarray) -> WallIntegrals:
-        """Of the state that the problem is in, by changes as `ChannelLengths.quantities` has them (collective)."""
+        """Integrals in the problem's state, and their changes by those of `ChannelLengths.quantities` (collective)."""
         values = np.zeros((self._slabs + 1, len(self._units), 4))
         moved = np.zeros((*values.shape, len(changes)))
         for k, unit in enumerate(self._units):

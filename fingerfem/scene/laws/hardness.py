@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-SHORE_A = (20.0, 80.0)  # where the estimate is usual
+SHORE_A = (20.0, 80.0)  # usual range of the estimate
 YOUNG, MOST_POISSON = (1e3, 1e11), 0.49999  # [Pa], [-]
 RUBBER = 0.499  # Poisson's ratio of a rubber that is given by its hardness alone [-]
 # Young's modulus in tension of seven silicones of 20 to 44 Shore A over the estimate [-]: laws fitted by fit-material

@@ -82,7 +82,7 @@ class Law(SceneTable, ABC):
 
     @property
     def is_always_stable(self) -> bool:
-        """Whether the check of stability can be skipped, because the energy is polyconvex."""
+        """True if the check of stability can be skipped, because the energy is polyconvex."""
         return False
 
     @property
@@ -109,7 +109,7 @@ class Law(SceneTable, ABC):
 
     @property
     def is_mixed(self) -> bool:
-        """Whether the pressure is a separate unknown."""
+        """True if the pressure is a separate unknown."""
         return (self.formulation or ("mixed" if self.poisson > NEARLY_INCOMPRESSIBLE else "displacement")) == "mixed"
 
     @model_serializer(mode="wrap")

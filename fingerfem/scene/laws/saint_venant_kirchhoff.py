@@ -49,7 +49,7 @@ class SaintVenantKirchhoff(Law):
 
     @property
     def is_always_stable(self) -> bool:
-        """Its limits leave out where it is not."""
+        """True: the law's limits exclude states that are not stable."""
         return True
 
     @property

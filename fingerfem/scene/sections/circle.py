@@ -19,7 +19,7 @@ THINNEST = 0.02  # wall of a ring over its diameter, at least [-]
 
 
 class Round(Section):
-    """What a circle and a ring have in common; the axis is in the middle."""
+    """Base of circle and ring; the axis is in the middle."""
 
     diameter: Length
 
@@ -35,12 +35,12 @@ class Round(Section):
 
     @property
     def area(self) -> float:
-        """Of the section [m^2]."""
+        """Area of the section [m^2]."""
         return math.pi / 4 * (self.diameter**2 - self.hollow**2)
 
     @property
     def second_moment(self) -> float:
-        """Of area [m^4]."""
+        """Second moment of area [m^4]."""
         return math.pi / 64 * (self.diameter**4 - self.hollow**4)
 
     def refusal(self, column: Column, width: float) -> str | None:
@@ -56,7 +56,7 @@ class Round(Section):
         return None
 
     def are_apart(self, one: Column, other: Column, width: float) -> bool:
-        """Whether two channels, sectors about the axis, have no cells in common."""
+        """True if two channels, sectors about the axis, have no cells in common."""
         radii = [float(np.hypot(*column.offset)) for column in (one, other)]
         if min(radii) == 0:
             return max(radii) >= BESIDE * width * (1 - 1e-9)
@@ -67,7 +67,7 @@ class Round(Section):
         return between >= sum(width / 2 / radius for radius in radii) * (1 - 1e-9)
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
-        """Its mesh by radial lines and circles."""
+        """Mesh by radial lines and circles."""
         whole = polar_mesh(wanted, self.diameter / 2, self.hollow / 2)
         return whole.half() if wanted.half else whole
 
@@ -92,7 +92,7 @@ class Ring(Round):
 
     @property
     def channel_width(self) -> float:
-        """Of a channel, unless the scene gives it [m]."""
+        """Width of a channel, unless the scene gives it [m]."""
         return min(self.diameter / 5, (self.diameter - self.bore) / 4)
 
     @model_validator(mode="after")

@@ -26,7 +26,7 @@ class Core(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """How lines may be added to a side: symmetric ones stay so, channels keep the cells that others alike have."""
+    """Constraints on lines added to a side: symmetric ones stay so, channels keep the cells that others alike have."""
 
     keeps_symmetry: bool
     keeps_channels: bool
@@ -126,6 +126,6 @@ def core_grid(angles: np.ndarray, corner: float, bulge: float = BULGE) -> Core:
 
 
 def _shares(line: np.ndarray) -> np.ndarray:
-    """Of a line's length up to its points, shape (points,) [-]."""
+    """Shares of a line's length up to its points, shape (points,) [-]."""
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
     return np.asarray(lengths / lengths[-1])

@@ -57,7 +57,7 @@ class FromFile(Section):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def measures(self) -> dict[str, Any]:
-        """What rod elements need, see `rom.dataset.sections.section`; of many corners of its hull the farthest."""
+        """Measures for rod elements, see `rom.dataset.sections.section`; of many corners of its hull the farthest."""
         hull = self._read.points[ConvexHull(self._read.points).vertices]
         if len(hull) > MOST_VERTICES:
             angles = 2 * np.pi * np.arange(MOST_VERTICES) / MOST_VERTICES
@@ -79,7 +79,7 @@ class FromFile(Section):
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether edges along z = 0 part it and its groups into mirror images."""
+        """True if edges along z = 0 divide the section and its groups into mirror images."""
         return self._plain.is_mirrored
 
     @property
@@ -95,7 +95,7 @@ class FromFile(Section):
 
     @property
     def area(self) -> float:
-        """Of the section [m^2]."""
+        """Area of the section [m^2]."""
         return self._plain.area
 
     @property
@@ -109,7 +109,7 @@ class FromFile(Section):
         return None
 
     def are_apart(self, one: Column, other: Column, width: float) -> bool:
-        """Whether two channels have no cells in common: groups have none."""
+        """True if two channels have no cells in common: groups have none."""
         return one.tag != other.tag
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:

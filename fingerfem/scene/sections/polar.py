@@ -1,8 +1,8 @@
 """Meshes of circles and rings: circles and radial lines around a square core, which a ring does not have.
 
 A channel is a block of these cells, between two circles and two radial lines: as wide along both as a channel is, and
-placed such that its centroid is its tendon's offset. Cells have straight sides; the circles of the border are larger by
-the factor that makes the section's area exact.
+placed such that its centroid is its tendon's offset. Cells of order 2 have arcs as sides of the border. Those of order
+1 have straight sides; their circles of the border are larger by the factor that makes the section's area exact.
 """
 
 from __future__ import annotations
@@ -60,7 +60,8 @@ def polar_mesh(wanted: Wanted, outer: float, inner: float) -> PlaneMesh:
     angles = _angles(sectors, wanted, is_hollow, step / outer)
     grown = math.sqrt(2 * math.pi / np.sin(np.diff(np.append(angles, angles[0] + 2 * math.pi))).sum())
     limits = [_limits(sector, angles, wanted.width) for sector in sectors]
-    radii = _radii(limits, (grown * inner, grown * outer), AWAY * wanted.width, step)
+    ends = inner * (1.0 if wanted.curved and is_hollow else grown), outer * (1.0 if wanted.curved else grown)
+    radii = _radii(limits, ends, AWAY * wanted.width, step)
     layers = radii[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     core = Core(layers[0], np.zeros((0, 4), int), np.arange(len(angles)))
     if not is_hollow:
@@ -81,7 +82,7 @@ def polar_mesh(wanted: Wanted, outer: float, inner: float) -> PlaneMesh:
         middles = (radii[1:] + radii[:-1]) / 2
         across = (middles > limit.inner) & (middles < limit.outer) & (radii[:-1] > 0)
         around[np.ix_(across, _inside(sector, angles))] = sector.tag
-    return _checked(PlaneMesh(points=points, quads=quads, tags=tags), wanted, step)
+    return _checked(PlaneMesh(points=points, quads=quads, tags=tags, curved=wanted.curved), wanted, step)
 
 
 def _angles(sectors: list[Sector], wanted: Wanted, is_hollow: bool, spacing: float) -> np.ndarray:
@@ -107,7 +108,7 @@ def _start(sectors: list[Sector]) -> float:
     """Angle of the core's first corner [rad]: no corner lies within a channel, or else none near a channel's edge."""
 
     def clearances(start: float) -> np.ndarray:
-        """Of all corners from all channels, negative within one [rad]."""
+        """Angles of all corners from all channels, negative within one [rad]."""
         away = [
             abs(math.remainder(start + k * QUARTER - one.angle, 2 * math.pi)) - one.half
             for one in sectors
@@ -139,7 +140,7 @@ def _merged(values: Iterable[float], fixed: Iterable[float], near: float, start:
 
 
 def _inside(sector: Sector, angles: np.ndarray) -> np.ndarray:
-    """Which cells between an angle and the next one belong to a sector, shape (angles,)."""
+    """True for cells, each between an angle and the next one, that belong to a sector, shape (angles,)."""
     middles = angles + np.diff(np.append(angles, angles[0] + 2 * math.pi)) / 2
     return np.asarray(np.abs(np.remainder(middles - sector.angle + math.pi, 2 * math.pi) - math.pi) < sector.half)
 

@@ -17,13 +17,13 @@ MORE = 40  # lines that are tried across the shorter side where fewer do not fit
 
 
 class Rectangular(Section):
-    """What a square and a rectangle have in common; the axis is in the middle."""
+    """Base of square and rectangle; the axis is in the middle."""
 
     chamber_region: ClassVar[str | None] = "rectangle"
 
     @property
     def area(self) -> float:
-        """Of the section [m^2]."""
+        """Area of the section [m^2]."""
         return self.extents[0] * self.extents[1]
 
     @property
@@ -38,7 +38,7 @@ class Rectangular(Section):
 
     @property
     def has_face(self) -> bool:
-        """Whether it is flat at its top."""
+        """True if the section is flat at its top."""
         return True
 
     def refusal(self, column: Column, width: float) -> str | None:
@@ -50,12 +50,12 @@ class Rectangular(Section):
         return f"must keep its channel inside the section (at most {limits} m from the axis)"
 
     def are_apart(self, one: Column, other: Column, width: float) -> bool:
-        """Whether two channels have no cells in common."""
+        """True if two channels have no cells in common."""
         return bool(np.abs(one.offset - other.offset).max() >= width * (1 - 1e-9))
 
     @property
     def is_square(self) -> bool:
-        """Whether it is a square: then lines along y and z are the same where tendons pull in both directions."""
+        """True for a square: then lines along y and z are the same if tendons pull in both directions."""
         return self.extents[0] == self.extents[1]
 
     def lines(self, wanted: Wanted) -> tuple[np.ndarray, np.ndarray]:
@@ -77,7 +77,7 @@ class Rectangular(Section):
         return y, half if wanted.half else np.concatenate([-half[:0:-1], half])
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
-        """Its grid as quadrilaterals: y runs fastest."""
+        """Grid as quadrilaterals: y runs fastest."""
         y, z = self.lines(wanted)
         points = np.stack(np.meshgrid(y, z), axis=-1).reshape(-1, 2)
         at = np.arange(len(points)).reshape(len(z), len(y))

@@ -1,4 +1,4 @@
-"""What every section is: a table of a scene that says its measures and makes its mesh."""
+"""Base of all sections: a table of a scene that has its measures and makes its mesh."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ POOREST = 0.2  # least sine at a corner of a quadrilateral that is meshed [-]
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """What the section's mesh has of a tendon: the cells of its channel, or of its hole in a plate.
+    """Cells of the section's mesh for a tendon: those of its channel, or of its hole in a plate.
 
     Attributes:
         name, path: the tendon's.
@@ -33,7 +33,7 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Inside:
-    """What is inside a section and no tendon's.
+    """Part inside a section that is no tendon's.
 
     Attributes:
         name: the chamber's or the material's.
@@ -50,19 +50,19 @@ class Inside:
 
 
 class Cavity(Inside):
-    """What the section's mesh has of a chamber: its cells, which the finger lacks along the chamber.
+    """Cells of the section's mesh for a chamber, which the finger lacks along the chamber.
 
     Chambers of one region have the tag of the first.
     """
 
 
 class Inlay(Inside):
-    """What the section's mesh has of another material; it may share cells with a tendon, unless it is a group."""
+    """Cells of the section's mesh for another material; it may share them with a tendon, unless it is a group."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What a section's mesh has to meet.
+    """Requirements on a section's mesh.
 
     Attributes:
         columns: of the tendons.
@@ -72,6 +72,7 @@ class Wanted:
         half: whether the half z >= 0 is meshed.
         cavities: of the chambers.
         inlays: of the other materials.
+        curved: whether cells may have curved sides, as those of order 2.
     """
 
     columns: Sequence[Column]
@@ -81,10 +82,11 @@ class Wanted:
     half: bool = False
     cavities: Sequence[Cavity] = ()
     inlays: Sequence[Inlay] = ()
+    curved: bool = False
 
     @property
     def is_planar(self) -> bool:
-        """Whether all that is inside is such that the section's two halves are mirror images."""
+        """True if everything inside makes the section's two halves mirror images."""
         inside: list[Inside] = [*self.cavities, *self.inlays]
         mirrored = all(one.centre[1] == 0 for one in inside)
         return mirrored and all(column.offset[1] == 0 for column in self.columns)
@@ -107,7 +109,7 @@ class Section(SceneTable):
 
     @property
     def area(self) -> float:
-        """Of the section [m^2]."""
+        """Area of the section [m^2]."""
         raise NotImplementedError
 
     @property
@@ -117,7 +119,7 @@ class Section(SceneTable):
 
     @property
     def channel_width(self) -> float:
-        """Of a channel, unless the scene gives it [m]."""
+        """Width of a channel, unless the scene gives it [m]."""
         return min(self.extents) / 5
 
     @property
@@ -137,17 +139,17 @@ class Section(SceneTable):
 
     @property
     def is_square(self) -> bool:
-        """Whether it is a square: rod elements are trained on no other."""
+        """True for a square."""
         return False
 
     @property
     def has_face(self) -> bool:
-        """Whether it is flat at its top, so that a pad may lie there."""
+        """True if the section is flat at its top, so that a pad may lie there."""
         return False
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether z = 0 parts its meshes into mirror images, where all tendons lie there."""
+        """True if z = 0 divides its meshes into mirror images, where all tendons lie there."""
         return True
 
     def refusal(self, column: Column, width: float) -> str | None:
@@ -155,11 +157,11 @@ class Section(SceneTable):
         raise NotImplementedError
 
     def are_apart(self, one: Column, other: Column, width: float) -> bool:
-        """Whether two channels have no cells in common."""
+        """True if two channels have no cells in common."""
         raise NotImplementedError
 
     def mesh(self, wanted: Wanted) -> PlaneMesh:
-        """Its mesh.
+        """Mesh of the section.
 
         Raises:
             ValueError: rule and value of what does not fit, to be put after `meshed_by`.
@@ -209,7 +211,7 @@ def check_cavities(mesh: PlaneMesh, cavities: Sequence[Cavity]) -> PlaneMesh:
 
 
 def material_of(mesh: PlaneMesh, inlay: Inlay) -> np.ndarray:
-    """Which quadrilaterals another material has where it is present, shape (quads,).
+    """True for quadrilaterals of another material where it is present, shape (quads,).
 
     Raises:
         ValueError: it has none.

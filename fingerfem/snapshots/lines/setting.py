@@ -1,4 +1,4 @@
-"""What lines of every kind are solved with: the model, the set they belong to, and states of other sets."""
+"""Shared setting of lines of every kind: the model, the set they belong to, and states of other sets."""
 
 from __future__ import annotations
 
@@ -59,11 +59,11 @@ class Setting:
 
     @property
     def shortest_path(self) -> float:
-        """What a plane moves at least from touch to its nearest [m]; on a shorter path it does not move."""
+        """Least motion of a plane from touch to its nearest [m]; on a shorter path it does not move."""
         return SAME_PLACE * self.model.scene.geometry.side
 
     def recorder(self) -> Recorder:
-        """What notes the states of a line."""
+        """New recorder of a line's states."""
         return Recorder(self.model, self.numbering)
 
     def line(self, task: str) -> Line:

@@ -18,7 +18,7 @@ from rom.dataset.snapshot_set import task_file
 
 
 class LineKind(Protocol):
-    """What is to be known of a kind of lines."""
+    """Interface of a kind of lines."""
 
     def needs(self, setting: Setting, task: str, line: Line) -> list[str]:
         """Tasks that must be done before."""
@@ -53,7 +53,7 @@ class LineSolver:
         )
 
     def ready(self, task: str) -> bool:
-        """Whether all that the task needs is there."""
+        """True if the files of all tasks that this one needs exist."""
         line = self._setting.line(task)
         needed = KINDS[line.kind].needs(self._setting, task, line)
         return all(task_file(self._setting.path, name).exists() for name in needed)

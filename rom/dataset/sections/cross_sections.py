@@ -11,8 +11,8 @@ rank 2; R is unique all the same, and `rigid_motion.turns` differentiates it.
 
 Nodes within a chamber, where it is filled, have no weight: sections have one definition along the whole finger.
 
-Of half a finger, z >= 0, the sections are whole: of the mirror image, c and M have the same entries with an even number
-of z, and the others cancel.
+Half a finger, z >= 0, has whole sections: the mirror image has the same entries of c and M with an even number of z,
+and the others cancel.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rom.dataset.sections.plane_nodes import PlaneNodes
 
 
 def positions_of(nodes: np.ndarray, order: int) -> np.ndarray:
-    """Where cross-sections are along the axis at rest, by nodes, shapes (sections,) and (nodes, 3) [m]."""
+    """Positions of cross-sections along the axis at rest, shape (sections,), by those of nodes, (nodes, 3) [m]."""
     return levels(nodes[:, 0])[0][::order]
 
 

@@ -1,15 +1,15 @@
 """The nodes of a cross-section: their shares in its area, and how its corners follow from those of its outline.
 
-A section's mesh is of quadrilaterals with straight sides. On these its shape functions N of order 1 or 2 are
-polynomials of the reference coordinates (s, t) in [0, 1]^2.
+A section's mesh is of quadrilaterals, on which shape functions N of order 1 or 2 are polynomials of the reference
+coordinates (s, t) in [0, 1]^2. The nodes say where the sides are: those of order 2 may be curved.
 
-The corners of a section are those of its bounding box. Where they are no nodes, they are extrapolated: with y'
+The corners of a section are those of its bounding box. If they are no nodes, they are extrapolated: with y'
 and z', coordinates over the halves of the box, the corners c_k are such that
 
     x(y, z) = sum over k of N_k(y', z') c_k,    N_k = (1 + y_k y') (1 + z_k z') / 4,
 
-fits the outline's nodes best, each weighted by its share of the outline's length. What a bent circle deviates from that
-is v = -nu kappa (y^2 - z^2) / 2, 0.6 mm at a radius of 10 mm and a curvature of 16 1/m, whose size follows from the
+fits the outline's nodes best, each weighted by its share of the outline's length. A bent circle deviates from that by
+v = -nu kappa (y^2 - z^2) / 2, 0.6 mm at a radius of 10 mm and a curvature of 16 1/m, whose size follows from the
 bilinear w = -nu kappa y z (rom/native/contact/slices.c adds it); 0.09 mm are left (95 % of sections, worst node).
 """
 
@@ -27,7 +27,7 @@ from rom.brief import brief
 from rom.dataset.grid import SHARE
 
 CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])  # y and z of a section's corners, over half its extents [-]
-POINTS, WEIGHTS = np.array([0.5 - 1 / 12**0.5, 0.5 + 1 / 12**0.5]), np.array([0.5, 0.5])  # Gauss, exact to degree 3
+POINTS, WEIGHTS = np.array([0.5 - 0.15**0.5, 0.5, 0.5 + 0.15**0.5]), np.array([5, 8, 5]) / 18  # Gauss, to degree 5
 SIDES = [(0, 1), (1, 3), (2, 3), (0, 2)]  # ends of a quadrilateral's sides, among its corners in tensor order
 
 
@@ -63,7 +63,7 @@ def plane_nodes(nodes: np.ndarray, points: np.ndarray, quads: np.ndarray, box: n
     places = np.stack(np.meshgrid(reference, reference), axis=-1).reshape(-1, 2)  # s runs fastest
     _, node = cKDTree(nodes).query(np.einsum("pc,qci->qpi", _bilinear(places), points[quads]))
     weights = np.zeros(len(nodes))
-    np.add.at(weights, node, _integrals(points[quads], order))
+    np.add.at(weights, node, _integrals(nodes[node], order))
     images = np.array([[1, 1], [1, -1]])[: 1 + is_half]
     corners = _corners(nodes / box, *_outline(quads, node, nodes, is_half), images)
     return PlaneNodes(weights=weights / weights.sum(), corners=corners, is_half=is_half)
@@ -82,19 +82,24 @@ def _lagrange(at: np.ndarray, order: int) -> np.ndarray:
     return np.stack([(1 - at) * (1 - 2 * at), 4 * at * (1 - at), at * (2 * at - 1)], axis=1)
 
 
-def _integrals(corners: np.ndarray, order: int) -> np.ndarray:
-    """Integrals of all shape functions over quadrilaterals, shapes (quads, 4, 2) [m] and (quads, (order + 1)^2) [m^2].
+def _lagrange_slopes(at: np.ndarray, order: int) -> np.ndarray:
+    """Their derivatives, shape (n, order + 1)."""
+    if order == 1:
+        return np.tile([-1.0, 1.0], (len(at), 1))
+    return np.stack([4 * at - 3, 4 - 8 * at, 4 * at - 1], axis=1)
 
-    Exact: shape functions times the Jacobian determinant are of degree 3 at most along s and t.
+
+def _integrals(nodes: np.ndarray, order: int) -> np.ndarray:
+    """Integrals of shape functions over quadrilaterals, shapes (quads, nodes, 2) [m] and (quads, nodes) [m^2].
+
+    Exact: shape functions times the Jacobian determinant are of degree 5 at most along s and t.
     """
-    along = _lagrange(POINTS, order)
-    a, b, c, d = corners.transpose(1, 0, 2)
-    found = np.zeros((len(corners), (order + 1) ** 2))
-    for i, t in enumerate(POINTS):
-        for j, s in enumerate(POINTS):
-            by_s, by_t = (1 - t) * (b - a) + t * (d - c), (1 - s) * (c - a) + s * (d - b)
-            area = by_s[:, 0] * by_t[:, 1] - by_s[:, 1] * by_t[:, 0]
-            found += WEIGHTS[i] * WEIGHTS[j] * area[:, None] * np.outer(along[i], along[j]).ravel()
+    along, slopes = _lagrange(POINTS, order), _lagrange_slopes(POINTS, order)
+    found = np.zeros(nodes.shape[:2])
+    for i, j in np.ndindex(len(POINTS), len(POINTS)):  # t, then s
+        by_s, by_t = (np.outer(*pair).ravel() @ nodes for pair in ((along[i], slopes[j]), (slopes[i], along[j])))
+        area = by_s[:, 0] * by_t[:, 1] - by_s[:, 1] * by_t[:, 0]
+        found += WEIGHTS[i] * WEIGHTS[j] * area[:, None] * np.outer(along[i], along[j]).ravel()
     return found
 
 
@@ -121,7 +126,7 @@ def _outline(quads: np.ndarray, node: np.ndarray, nodes: np.ndarray, is_half: bo
 
 
 def _corners(scaled: np.ndarray, outline: np.ndarray, shares: np.ndarray, images: np.ndarray) -> np.ndarray:
-    """What corners are of nodes on the outline, from their y' and z', shape (nodes, 2), and of the nodes' images."""
+    """Weights that give corners from the outline's nodes and their images, at y' and z', shape (nodes, 2)."""
     found = np.zeros((2, len(CORNERS), len(scaled)))
     away, nearest = map(np.array, zip(*(cKDTree(scaled * image).query(CORNERS) for image in images), strict=True))
     if away.min(axis=0).max() < SHARE:

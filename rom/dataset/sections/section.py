@@ -20,7 +20,7 @@ SIZES = {SQUARE: ("side",), RECTANGLE: ("height", "width"), CIRCLE: ("diameter",
 
 
 def section_of(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Its table: `shape` and sizes [m]."""
+    """Table of a scene's section: `shape` and sizes [m]."""
     return scene.get("section") or {"shape": SQUARE, "side": scene["geometry"]["side"]}
 
 
@@ -44,7 +44,7 @@ def extent(scene: Mapping[str, Any]) -> float:
 
 
 def area(scene: Mapping[str, Any]) -> float:
-    """Of the section, without a bore [m^2]."""
+    """Area of the section without its bore [m^2]."""
     table = section_of(scene)
     if table["shape"] == FILE:
         return float(table["measures"]["area"])
@@ -62,7 +62,7 @@ def mean_squares(scene: Mapping[str, Any]) -> np.ndarray:
 
 
 def channel_width(scene: Mapping[str, Any]) -> float:
-    """Of a channel [m]; 0 of a file, whose channels are drawn."""
+    """Width of a channel [m]; 0 for a section from a file, which has its channels drawn."""
     table, given = section_of(scene), scene["geometry"].get("channel")
     if given is not None or table["shape"] == FILE:
         return float(given or 0.0)

@@ -86,7 +86,7 @@ class SectionOutline:
 
     @property
     def sides(self) -> np.ndarray:
-        """From every vertex to the next one, shape (m, 2) [m]."""
+        """Vectors from every vertex to the next one, shape (m, 2) [m]."""
         return np.asarray(np.roll(self.vertices, -1, axis=0) - self.vertices)
 
     @property
@@ -96,12 +96,12 @@ class SectionOutline:
 
     @property
     def is_rectangle(self) -> bool:
-        """Whether it is its own box."""
+        """True if the outline is a rectangle, its own bounding box."""
         return self.radius == 0 and self.vertices.shape == (4, 2) and bool((np.abs(self.vertices) == self.box).all())
 
     @property
     def perimeter(self) -> float:
-        """Its length [m]."""
+        """Length of the outline [m]."""
         return float(np.linalg.norm(self.sides, axis=1).sum() + 2 * np.pi * self.radius)
 
     @property
@@ -142,7 +142,7 @@ class SectionOutline:
         return SectionOutline(vertices=self.vertices * size, radius=self.radius * size)
 
     def table(self) -> dict[str, object]:
-        """Its numbers as plain data [m]; `SectionOutline(**table)` is the same outline."""
+        """Numbers of the outline as plain data [m]; `SectionOutline(**table)` is the same."""
         return {"vertices": self.vertices.tolist(), "radius": self.radius}
 
     def write(self, group: h5py.Group) -> None:
@@ -161,7 +161,7 @@ class SectionOutline:
 
     @property
     def _has_axis(self) -> bool:
-        """Whether the axis lies within."""
+        """True if the axis lies within."""
         normals = np.column_stack([self.sides[:, 1], -self.sides[:, 0]])
         lengths = np.linalg.norm(self.sides, axis=1)
         if len(self.vertices) > 2:
@@ -175,7 +175,7 @@ def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def _turns(sides: np.ndarray) -> float:
-    """How often a closed line turns about itself, counterclockwise [-]."""
+    """Turning number of a closed line, counterclockwise [-]."""
     following = np.roll(sides, -1, axis=0)
     angles = np.arctan2(_cross(sides, following), (sides * following).sum(axis=1))
     return float(angles.sum() / (2 * np.pi))

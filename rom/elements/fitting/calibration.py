@@ -1,4 +1,4 @@
-"""How many times the deviation of the variants an estimated error must be to cover the error of what was left out."""
+"""Ratios of estimated errors to the variants' deviation that cover the errors of left-out lines."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FEWEST = 5  # states of a kind below which they scale nothing
 
 @brief
 class Floors(NamedTuple):
-    """What no estimated error is below, however well the variants agree: a typical error of what was left out.
+    """Lower bounds of estimated errors, whose variants may agree too well: a typical error of left-out lines.
 
     Attributes:
         place: of the free plate's place, along any direction [m].
@@ -43,18 +43,18 @@ def floors_of(left_out: Mapping[str, Mapping[str, float]]) -> Floors:
 
 
 def error_factors(trainings: Sequence[tuple[Training, dict[str, float]]], floors: Floors) -> dict[str, float]:
-    """The factors by quantity [-].
+    """The factors by quantity [-]; at least 1 where a finer mesh corrects, whose own error is in no left-out state.
 
     Args:
         trainings: on every mesh, with the degrees of all kinds.
         floors: of estimated errors.
     """
     parts = [compared(*each, floors) for each in trainings]
-    found = {}
+    least, found = 1.0 if len(trainings) > 1 else 0.0, {}
     for name in QUANTITIES:
         errors, deviations = (np.concatenate([part[k][name] for part in parts]) for k in (0, 1))
         found[name] = covering(errors, deviations)
-    return {name: factor for name, factor in found.items() if factor > 0}
+    return {name: max(factor, least) for name, factor in found.items() if factor > 0}
 
 
 def compared(
@@ -90,7 +90,7 @@ def compared(
 
 
 def force_deviations(states: SectionStates, motions: np.ndarray, floors: Floors) -> np.ndarray:
-    """Of contact forces by variants, which move the plates by (n, 6, k), and by floors: relative, shape (n,) [-]."""
+    """Relative deviations of contact forces, by variants' plate motions, (n, 6, k), and by floors, shape (n,) [-]."""
     changes = np.linalg.norm(relative_force_changes(states, motions), axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         by_place = floors.place / (states.forces * gap_by_force(states))

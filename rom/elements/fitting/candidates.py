@@ -58,7 +58,7 @@ class Candidates:
     pressures: int = 0
 
     def supports(self, degree: float) -> bool:
-        """Whether all products of a degree are there, and enough rows for them."""
+        """True if all products of a degree are candidates, and rows are enough for them."""
         return degree <= self.highest and self._positions(degree).size <= self.equations.rows.sum() / ROWS
 
     def law(self, degree: float, without: int | None = None) -> ElementLaw:

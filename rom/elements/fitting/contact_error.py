@@ -1,4 +1,4 @@
-"""What an error of a pose means: by how much a surface that touches the plate would push too hard.
+"""Errors of contact forces by errors of poses: a surface that touches the plate would press by so much too hard.
 
 Every pressed state is a contact: its force stands for a frictionless surface at the point it acts on, whose normal is
 the force's direction. Were the pose known with an error, the surface at the same place would find the plate by dg
@@ -51,7 +51,7 @@ def relative_force_changes(states: SectionStates, motions: np.ndarray) -> np.nda
 
 
 def _contacts(states: SectionStates) -> tuple[np.ndarray, np.ndarray]:
-    """Where each state's plate is touched, and the normal there, shapes (n, 3) [m, -]; nan without a force."""
+    """Contact point on each state's plate, and the normal there, shapes (n, 3) [m, -]; nan without a force."""
     t, forces = states.tensions, states.forces[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         normals = states.inputs[:, t : t + 3] / forces

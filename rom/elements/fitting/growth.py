@@ -1,4 +1,4 @@
-"""How many lines of states elements need: more of their sequence, until lines that are left out are predicted.
+"""Number of lines of states that elements need: more of their sequence, until lines that are left out are predicted.
 
 Lines are a low-discrepancy sequence of tensions and wrenches, of which any first ones fill the box evenly. A finger is
 smooth in both, and a polynomial of the whole box learns from every state.
@@ -19,11 +19,11 @@ from rom.elements.samples.section_states import read_section_states
 
 STALE = 4  # rounds that must make the error smaller
 SMALLER = 0.9  # by this factor at least, beside the smallest before [-]
-GROWTH = 1.35  # how many times as many lines a set has after a round: ranks wait for each other between rounds [-]
+GROWTH = 1.35  # factor by which a round grows a set's lines: ranks wait for each other between rounds [-]
 
 
 def has_stalled(errors: Sequence[float]) -> bool:
-    """Whether the last of all rounds' errors are hardly smaller than the smallest before [-]."""
+    """True if the last of all rounds' errors [-] are hardly smaller than the smallest before."""
     before, last = errors[:-STALE], errors[-STALE:]
     return bool(before) and min(last) > SMALLER * min(before)
 

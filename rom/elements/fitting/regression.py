@@ -85,7 +85,7 @@ class NormalEquations:
         self.rows *= 1 + len(images)
 
     def _permutation(self, mirror: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Which product every product becomes, and its sign, shapes (k,)."""
+        """Images of all products: their indices, and their signs, shapes (k,)."""
         position = {tuple(row): k for k, row in enumerate(self.powers.tolist())}
         place = [position[tuple(row)] for row in (self.powers @ np.abs(mirror).astype(int)).tolist()]
         return np.array(place), np.prod(mirror.sum(axis=1) ** self.powers, axis=1)
@@ -105,7 +105,7 @@ class NormalEquations:
         return Polynomial(lower=self.lower, upper=self.upper, powers=self.powers[chosen], coefficients=coefficients)
 
     def deviations(self, chosen: np.ndarray, groups: Sequence[Collection[int]], values: int) -> Polynomial:
-        """How fits without a group of folds deviate from that of all: their squares add up to its variance.
+        """Deviations of fits without a group of folds from that of all: their squares add up to its variance.
 
         That is the jackknife's, (V - 1) / V times the sum of squares of V groups (R. G. Miller, Biometrika 61, 1974).
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
+from rom.dataset.geometry import is_all_along
 from rom.dataset.sections.section import extent, outline
 from rom.dataset.snapshot_set import SnapshotError
 from rom.elements.elements import Elements
@@ -104,8 +105,14 @@ def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
     """The regressions of a finger's elements, up to a weighted degree.
 
     Raises:
-        SnapshotError: too few lines to leave some out, or a tapered finger.
+        SnapshotError: too few lines to leave some out, or a finger whose sections differ along the axis.
     """
+    for one in states.scene.get("materials") or []:
+        if not is_all_along(states.scene["geometry"], one.get("x")):
+            raise SnapshotError(
+                f"materials.{one['name']}.x must be left out to train elements: they have one section all along the "
+                f"axis, got {one['x']}"
+            )
     if states.scene["geometry"].get("taper"):
         raise SnapshotError("geometry.taper must be left out to train elements: those of a straight finger are scaled")
     of_line, fold = fold_of(states)
@@ -146,7 +153,7 @@ def train(
         highest: largest weighted degree that is tried for the elements' polynomials [-].
 
     Raises:
-        SnapshotError: too few lines to leave some out, or a tapered finger.
+        SnapshotError: too few lines to leave some out, or a finger whose sections differ along the axis.
     """
     progress("fitting elements", 0, 2)
     training = prepare(states, highest)

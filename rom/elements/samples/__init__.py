@@ -1,1 +1,1 @@
-"""From full-order states to samples of elements: sections, cuts, images, and the combinations of tensions."""
+"""Samples of elements from full-order states: sections, cuts, images, and the combinations of tensions."""

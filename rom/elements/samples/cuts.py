@@ -1,4 +1,4 @@
-"""Where a finger is cut into elements, among the cross-sections of its mesh."""
+"""Cuts of a finger into elements, at cross-sections of its mesh."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ POSE = 6  # numbers of an element's pose: place [m], Rodrigues vector [-]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Samples:
-    """What is known of an element in n states.
+    """Inputs and answers of an element in n states.
 
     The pose is that of the proximal section seen from the distal one: place [m], then its Rodrigues vector [-].
 

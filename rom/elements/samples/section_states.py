@@ -85,7 +85,7 @@ class SectionStates:
 
     @property
     def pressures(self) -> int:
-        """How many of the loads are pressures, the last ones."""
+        """Number of pressures, the last ones of the loads."""
         return pressures_of(self.scene)
 
     @property
@@ -100,7 +100,7 @@ class SectionStates:
 
     @property
     def length(self) -> float:
-        """From the clamp to the plate's centre at rest [m]."""
+        """Length from the clamp to the plate's centre at rest [m]."""
         return float(tip_at_rest(self.scene["geometry"])[0])
 
     def body(self, k: int) -> Bodies:

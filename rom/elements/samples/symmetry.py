@@ -1,7 +1,7 @@
 """Mirrors and turns of the section that map a finger's mesh onto itself: every sample of an element has images.
 
-Of a map S of space that keeps the axis, with det S = -1 for a mirror, forces and places go with S, and moments and
-turns, which are axial vectors, with det(S) S.
+A map S of space keeps the axis; det S is -1 for a mirror. Forces and positions go with S, and moments and rotations,
+which are axial vectors, with det(S) S.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Mirror:
 
 
 def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[Mirror]:
-    """Those maps of a square that exchange nodes, tendons of one range and path, and chambers of one span and range.
+    """Maps of a square that exchange nodes, tendons of one range and path, and chambers of one span and range.
 
     They also exchange rectangles of one material. The identity is left out, and so is all with a material in a group.
 
@@ -70,7 +70,7 @@ def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[M
 
 
 def _exchanges(S: np.ndarray, blocks: list[dict[str, Any]], kinds: Sequence[Any]) -> tuple[np.ndarray, bool]:
-    """Which rectangles, as rows, everyone becomes, and whether each becomes one of its kind and size."""
+    """Images of rectangles, as rows, and a flag: each becomes one of its kind and size."""
     found = _exchange(S, [one["centre"] for one in blocks], kinds)
     sizes = np.array([one["size"] for one in blocks]).reshape(-1, 2)
     one_each = bool((found.sum(axis=0) == 1).all())
@@ -92,7 +92,7 @@ def _of_section(S: np.ndarray, tendons: list[dict[str, Any]], chambers: list[dic
 
 
 def _exchange(S: np.ndarray, places: Sequence[Sequence[float]], kinds: Sequence[tuple]) -> np.ndarray:
-    """Which actuators, as rows, everyone becomes: those at its mapped place that are of its kind, shape (k, k)."""
+    """Images of actuators, as rows: those at the mapped position that are of its kind, shape (k, k)."""
     at = np.array(places, float).reshape(-1, 2)
     apart = np.abs(at[:, None] - at @ S.T).max(axis=2, initial=0.0)
     alike = np.array([[one == other for other in kinds] for one in kinds], bool).reshape(apart.shape)

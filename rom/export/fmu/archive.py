@@ -30,7 +30,7 @@ NATIVE = Path(__file__).parent / "native"
 NUMBERS = "numbers.c"
 # An FMU's own names stay its own where a tool loads many; -s leaves out what only a debugger reads.
 OPTIONS = (*FLAGS, "-fvisibility=hidden", "-s")
-# Where a tool looks for the library, by FMI's version and the machine.
+# Folder of the library, by FMI's version and the machine.
 FOLDERS = {
     2: {"x86_64": "linux64", "aarch64": "linux-aarch64"},
     3: {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"},

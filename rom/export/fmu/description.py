@@ -140,13 +140,13 @@ def _items(parent: Element, tag: str, interface: Interface, **attributes: str) -
 
 
 def _logging(root: Element) -> None:
-    """What is logged, and the experiment that a tool proposes."""
+    """Adds the category of log messages, and the experiment that a tool proposes."""
     _add(_add(root, "LogCategories"), "Category", name="logStatusError", description="what was refused")
     _add(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=STEP)
 
 
 def _common(one: Variable) -> dict[str, str]:
-    """What both versions call the same."""
+    """Attributes of a variable that both versions of FMI name alike."""
     variability = {"parameter": "fixed"}.get(one.causality, "discrete" if one.discrete else "continuous")
     found = {
         "name": one.name,
@@ -160,7 +160,7 @@ def _common(one: Variable) -> dict[str, str]:
 
 
 def _own(one: Variable) -> dict[str, str]:
-    """What belongs to its type."""
+    """Attributes of a variable that belong to its type."""
     if one.kind == "Enumeration":
         return {"declaredType": STATUS_TYPE}
     numbers = {"min": one.lower, "max": one.upper, "start": one.start}

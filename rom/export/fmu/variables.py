@@ -51,7 +51,7 @@ class Variable:
 @brief
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """What an FMU shows.
+    """Interface of an FMU: its variables, and the C files that compute them.
 
     Attributes:
         title: one line.
@@ -158,7 +158,7 @@ def output_of(name: str, unit: str, description: str, reference: int, discrete: 
 
 
 def flags_of(name: str, description: str) -> list[Variable]:
-    """Whether an answer is to be relied on, and the status that says why not."""
+    """Variables for the validity of an answer: a flag, and the status with the reason."""
     return [
         Variable(name=name, reference=FLAG, causality="output", description=description, kind="Boolean", discrete=True),
         Variable(

@@ -53,7 +53,7 @@ int acting_on_rubber(const fingerfem_pressed *pressed)
     return 0;
 }
 
-static double pressed_by(const fingerfem_pressed *pressed, const objects_contacts *contacts, int k)
+double acting_pressed(const fingerfem_pressed *pressed, const objects_contacts *contacts, int k)
 {
     for (int j = 0; j < pressed->count; j++)
         if (pressed->parts[j] == contacts->plates[k] && pressed->names[j] == contacts->names[k] && pressed->objects[j] == contacts->objects[k])
@@ -77,7 +77,7 @@ static void begin_with(const contact_problem *problem, contact_state *state, act
         found->plates[k] = contacts->plates[k];
         found->objects[k] = contacts->objects[k];
         found->gaps[k] = contacts->gaps[k];
-        found->forces[k] = state->forces[k] = pressed_by(problem->step->pressed, contacts, k);
+        found->forces[k] = state->forces[k] = acting_pressed(problem->step->pressed, contacts, k);
         memcpy(found->points[k], contacts->points[k], sizeof found->points[k]);
         memcpy(found->wrenches[k], state->at.arms[k].wrenches, sizeof found->wrenches[k]);
     }

@@ -19,7 +19,8 @@ static inline double acting_force(const contact_state *state, int k)
 /* How its wrenches change with the motions of the bodies, in place of how those at the end do, (2, 6), (2, 6). */
 void acting_change(const placed *at, int k, double (*change)[SLICE_INPUTS]);
 
-/* What presses, as the next step begins; and whether that is rubber. */
+/* What presses, as the next step begins; the force of contact k then, or 0 [N]; and whether that is rubber. */
 void acting_leave(const contact_state *state, fingerfem_pressed *pressed);
+double acting_pressed(const fingerfem_pressed *pressed, const objects_contacts *contacts, int k);
 int acting_on_rubber(const fingerfem_pressed *pressed);
 #endif

@@ -1,4 +1,4 @@
-/* How far out chambers bulge the faces over them, see bulged.h. The height of a face's middle is bounded by b sqrt(p / p_most), with
+/* Bounds of the bulges of faces over chambers, see bulged.h. The height of a face's middle is bounded by b sqrt(p / p_most), with
  * its height b under the highest pressure (rom.rod.bulges): a thin wall rises linearly at first, and by a smaller power of p then. */
 #include "../element/outline.h"
 #include "bulged.h"

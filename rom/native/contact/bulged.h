@@ -3,7 +3,7 @@
 #define FINGERFEM_BULGED_H
 #include "contact.h"
 
-/* How deep the faces over chambers may lie in object j at d [m], as the bodies were placed last, free or under wrenches, by
+/* Bound of the depth of the faces over chambers in object j at d [m], as the bodies were placed last, free or under wrenches, by
  * tensions within their box; negative if they are away, -infinity without chambers. */
 double bulged_depth(const contact_problem *problem, const chain_state *state, int free, int j, double d, const double *tensions);
 #endif

@@ -15,6 +15,7 @@ typedef struct {
     double dome;                  /* curvature along it besides its own, over its thickness [-] */
     double share;                 /* of the middle, from the element's end, 0, to its begin, 1 */
     double length;                /* of the element at rest [m] */
+    double modulus;               /* of its material over that of the segment's rubber [-] */
     double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
     double bulging;               /* Poisson's ratio over the length of the element [1/m] */
     double stiffness[2];          /* E I for bending towards y and z [N m^2] */
@@ -93,6 +94,16 @@ typedef struct {
 static inline const fingerfem_object *contact_object(const contact_problem *problem, int j) { return problem->touching->objects[j]; }
 
 static inline int contact_is_there(const contact_problem *problem, int j) { return isfinite(problem->ahead[j]); }
+
+/* Set `ahead` by the d of all objects, (count), which come as the first one that is there; returns that one's d, 0 without one. */
+static inline double contact_lead(contact_problem *problem, const double *distances)
+{
+    const int count = problem->touching->count;
+    double d = 0.0;
+    for (int j = count - 1; j >= 0; j--) d = isfinite(distances[j]) ? distances[j] : d;
+    for (int j = 0; j < count; j++) problem->ahead[j] = isfinite(distances[j]) ? distances[j] - d : INFINITY;
+    return d;
+}
 
 /* Numbers of all wrenches. */
 static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }

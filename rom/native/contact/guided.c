@@ -44,7 +44,7 @@ static int equilibrium(const fingerfem_touching *touching, const double *distanc
     return !touching->count || fingerfem_touch(touching, point, memory, loads, out, jacobian, NULL, &inside) > 0;
 }
 
-/* What the elements are in that equilibrium. */
+/* State of the elements in that equilibrium. */
 static void elements_under(const fingerfem_chain *chain, const double *loads, double *memory, guides_state *state)
 {
     double held_tensions[TENSIONS_MOST];
@@ -89,4 +89,32 @@ int fingerfem_guides_advance(const fingerfem_touching *touching, const double *p
     *inside = !state.beyond;
     for (int j = 0; j < chain->tensions; j++) *inside &= wound[j] || motors[j] == point[j];
     return steps;
+}
+
+int fingerfem_guides_elements(const fingerfem_chain *chain, const double *gravity, const double *motors, const double *loads, double *memory,
+                              double *shortenings, double *yielding, double *bends)
+{
+    fingerfem_chain own = *chain;
+    const int t = chain->tensions;
+    const int32_t wound[TENSIONS_MOST] = {0};
+    double held[TENSIONS_MOST];
+    const guides_goal goal = {motors, wound};
+    chain_rods map;
+    chain_state placed;
+    guides_state state;
+    for (int k = 0; k < chain->plates; k++)
+        if (!chain->segments[k]->sixes) return 0;
+    if (gravity) memcpy(own.gravity, gravity, sizeof own.gravity);
+    guides_begin(&own, &goal, held, memory + fingerfem_chain_memory(chain), &state);
+    chain_placed(&own, motors, loads, memory, held, &map, &placed);
+    guides_under(&map, &state);
+    for (int k = 0; k < state.count; k++) {
+        const guides_element *element = state.elements + k;
+        for (int j = 0; j < t; j++) {
+            shortenings[t * element->number + j] = element->shortening[j];
+            yielding[t * element->number + j] = element->by_tensions[j][j];
+        }
+        bends[element->number] = element->bend;
+    }
+    return 1;
 }

@@ -245,7 +245,7 @@ static void add_base(const contact_step *step, const double *begun, const chain_
     }
 }
 
-/* What the mass of the element at the clamp, which turns by w' with the base, puts on the body beyond it: -Q^T K P (0, w'), see `add_block`. */
+/* Force of the mass of the element at the clamp, which turns by w' with the base, on the body beyond it: -Q^T K P (0, w'), see `add_block`. */
 static void subtract_clamp(const contact_problem *problem, const chain_state *state, double *found)
 {
     const int b = problem->map->bodies[0].segment == CHAIN_GROUND;

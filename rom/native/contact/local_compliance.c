@@ -34,7 +34,8 @@ static double element_compliance(const placed *at, int k, int other)
 }
 
 /* Between two slices: components of both normals n, m into the same face take that face's compliance, n_i m_i c(away);
- * those into opposite faces take the compliance of the opposite face, which moves the other way. */
+ * those into opposite faces take the compliance of the opposite face, which moves the other way. Slices of two materials
+ * have the geometric mean of their moduli. */
 double response_compliance(const contact_problem *problem, const placed *at, int k, int other)
 {
     const objects_contacts *contacts = &at->contacts;
@@ -46,8 +47,9 @@ double response_compliance(const contact_problem *problem, const placed *at, int
     const fingerfem_segment *own = problem->touching->chain->segments[segment];
     /* points of one face */
     const int name = contacts->names[k], same = name == contacts->names[other] && name >= SLICE_FACES && name < SLICE_LINES;
-    if (same) sum -= own->point_compliance[away];
-    for (int i = 1; i < 3 && k != other; i++) sum += n[i] * m[i] > 0.0 ? n[i] * m[i] * own->row_compliance[away] : -n[i] * m[i] * own->opposite_compliance[away];
+    const double modulus = sqrt(placed_slice_of(at, k)->modulus * placed_slice_of(at, other)->modulus);
+    if (same) sum -= own->point_compliance[away] / modulus;
+    for (int i = 1; i < 3 && k != other; i++) sum += fabs(n[i] * m[i]) * (n[i] * m[i] > 0.0 ? own->row_compliance : own->opposite_compliance)[away] / modulus;
     return sum + element_compliance(at, k, other);
 }
 

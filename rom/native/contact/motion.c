@@ -8,15 +8,6 @@
 
 #define SHARED 1e-9 /* added to the diagonal, over it, so that contacts of one normal share a force [-] */
 
-/* Make every plate and section a body; returns 0 if there is no room. */
-static int all_bodies(chain_rods *map)
-{
-    for (int k = 0; k < map->chain->plates; k++)
-        for (int e = 1; e < map->chain->segments[k]->elements; e++)
-            if (chain_add_body(map, k, e) < 0) return 0;
-    return 1;
-}
-
 /* N_j = -sum_q e . f_q over all bodies q: force of object j against its direction e [N], (count), with the contacts' mean forces over a step
  * and the forces that stopped them along their normals, (contacts). */
 static void forces_along(const contact_problem *problem, const contact_state *state, const double *stopped, double *forces)
@@ -72,7 +63,7 @@ static int accelerated(const contact_problem *problem, const contact_state *stat
 }
 
 /* v -= W (W^T W / M)^-1 W^T v / M over the plates' contacts that press, with a small diagonal term, so that contacts of one normal share a
- * force. Adds the mean forces over the step that do so, (contacts) [N]. */
+ * force. Adds the mean forces over the step that do so where contact begins, (contacts) [N]. */
 static void stop(const contact_problem *problem, const contact_state *state, const stopped_contacts *those, double *moving, double *forces)
 {
     const int count = those->count;
@@ -89,7 +80,9 @@ static void stop(const contact_problem *problem, const contact_state *state, con
         matrix[count * i + i] *= 1.0 + SHARED;
     }
     if (!count || !small_solve(count, matrix, 1, velocity)) return;
-    for (int k = 0; k < count; k++) forces[those->rows[k]] -= velocity[k] / problem->step->length;
+    for (int k = 0; k < count; k++)
+        if (acting_pressed(problem->step->pressed, &state->at.contacts, those->rows[k]) == 0.0)
+            forces[those->rows[k]] -= velocity[k] / problem->step->length;
     for (int b = 0; b < problem->map->count; b++) {
         double change[W] = {0.0};
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
@@ -120,46 +113,6 @@ static int move(const contact_problem *problem, const contact_state *state, doub
     return 1;
 }
 
-/* All bodies at tensions and loads; returns 0 if there is no room. */
-static int place_all(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory, chain_rods *map,
-                     chain_state *state)
-{
-    double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
-    tensions_all_clamped(chain->segments[0], tensions, held);
-    chain_set_tensions(chain, held, memory, map);
-    chain_contract(map);
-    return all_bodies(map) && chain_take_loads(map, loads, wrench) && chain_under(map, wrench, state);
-}
-
-int fingerfem_linearise(const fingerfem_chain *chain, const fingerfem_inertia *inertia, const double *tensions, double *memory, double *mass,
-                        double *compliance)
-{
-    const double none[FINGERFEM_MOST_LOADS] = {0.0};
-    const contact_step step = {.inertia = inertia};
-    chain_rods map;
-    contact_state state;
-    const contact_problem problem = {.map = &map, .step = &step};
-    if (!place_all(chain, tensions, none, memory, &map, &state.at.chain)) return 0;
-    const int size = chain_size(&map);
-    inertia_mass(&problem, &state.at.chain, state.mass);
-    for (int i = 0; i < size; i++) {
-        memcpy(mass + size * i, state.mass[i], (size_t)size * sizeof *mass);
-        memcpy(compliance + size * i, state.at.chain.bodies[i / W].motion[i % W], (size_t)size * sizeof *compliance);
-    }
-    return 1;
-}
-
-int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, int branches, double *memory,
-                      double *moving, double *relaxing)
-{
-    chain_rods map;
-    chain_state state;
-    if (!place_all(chain, tensions, loads, memory, &map, &state)) return 0;
-    for (int b = 0; b < map.count; b++) inertia_at_rest(state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
-    if (branches) relaxation_at_rest(&map, branches, tensions, relaxing);
-    return 1;
-}
-
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
                    int32_t *inside, fingerfem_pressed *pressed)
@@ -181,21 +134,18 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     if (base) memcpy(chain.gravity, base, sizeof chain.gravity);
     for (int i = 3; i < FINGERFEM_BASE && base; i++)
         if (base[i] != 0.0) step.turning = base + 3;
-    /* objects at their d: all come as the first one that is there */
-    double d = 0.0;
-    for (int j = touching->count - 1; j >= 0; j--) d = isfinite(point[t + j]) ? point[t + j] : d;
-    for (int j = 0; j < touching->count; j++) problem.ahead[j] = isfinite(point[t + j]) ? point[t + j] - d : INFINITY;
+    const double d = contact_lead(&problem, point + t);
     /* bodies, and the wrenches of the last step */
     memcpy(seen, point, (size_t)t * sizeof *seen);
     if (branches) relaxation_begin(&chain, branches, length, relaxing, &relaxation);
     if (branches) relaxation_tensions(&relaxation, point, seen);
-    *inside = tensions_all_clamped(chain.segments[0], seen, held);
+    *inside = chain_clamped(&chain, seen, held);
     chain_set_tensions(&chain, held, memory, &map);
     if (branches) relaxation_set(&relaxation, &map);
     chain_contract(&map);
     memset(state.forces, 0, sizeof state.forces);
     state.at.contacts.count = 0;
-    if (!all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
+    if (!chain_all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
     memcpy(begun, moving, (size_t)(fingerfem_chain_loads(&chain) / W * FINGERFEM_MOVING) * sizeof *begun);
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;

@@ -107,7 +107,7 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
     /* the first object, displaced */
     for (int i = 0; i < 3; i++) object.centre[i] += moved[i];
     /* finger at clamped tensions under the loads, and all contacts, of rubber too */
-    found->inside = tensions_all_clamped(chain->segments[0], tensions, held);
+    found->inside = chain_clamped(chain, tensions, held);
     chain_set_tensions(chain, held, memory, &map);
     chain_contract(&map);
     if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, 1, &state)) return 0;

@@ -1,9 +1,9 @@
-/* What a finger reports besides an answer: the tip's orientation and the tendons' shortenings. */
+/* Reports of a finger besides an answer: the tip's orientation and the tendons' shortenings. */
 #ifndef FINGERFEM_REPORTED_H
 #define FINGERFEM_REPORTED_H
 #include "contact.h"
 
-/* How wrenches on all plates, and the plates in space, R^T dc and R^T dtheta, change with an input, contact included. */
+/* Changes of wrenches on all plates, and of the plates in space, R^T dc and R^T dtheta, by an input, contact included. */
 typedef struct {
     double wrench[CHAIN_WRENCH], motion[CHAIN_WRENCH];
 } reported_change;

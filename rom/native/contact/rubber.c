@@ -105,7 +105,7 @@ static void section_at(const fingerfem_segment *segment, const double *points, i
     for (int k = 0; k <= EDGES; k++) memcpy(corners[k], own[around[k]], sizeof own[0]);
 }
 
-/* How many points around a section are sampled: per face of a box, or per part of an outline. A plane touches a box at a corner. */
+/* Number of sampled points around a section: per face of a box, or per part of an outline. A plane touches a box at a corner. */
 static int samples(const fingerfem_segment *segment, const fingerfem_object *object)
 {
     if (segment->vertices) return border_period(segment) * (border_period(segment) < AROUND ? AROUND / border_period(segment) : 1);
@@ -261,7 +261,7 @@ static void moves_by_tensions(const chain_rods *map, const chain_state *free, co
     }
 }
 
-/* How far the surface may be from its sampled points, before object j [m]. */
+/* Bound of the surface's distance from its sampled points, before object j [m]. */
 static double margin_of(const contact_problem *problem, int j)
 {
     const int flat = contact_object(problem, j)->shape == FINGERFEM_PLANE && !problem->touching->chain->segments[0]->vertices;

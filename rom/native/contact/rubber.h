@@ -40,7 +40,7 @@ void rubber_shape(const rod_state *rod, int element, const double *monomials, do
 int rubber_element_of(const fingerfem_segment *segment, int knot, int *number);
 void rubber_point_of(const double *weights, const double *corners, double *found);
 
-/* How well the surface is known at contact k of a slice [m]. */
+/* Error of the surface at contact k of a slice [m]. */
 double rubber_off(const contact_problem *problem, const placed *at, int k);
 
 /* Points that a plate sees, (count, 3), in space, where its centre and rotation are; in place. */

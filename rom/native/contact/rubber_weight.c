@@ -4,7 +4,7 @@
 
 #define WAY 1e-4 /* change of a wrench over its box, by which a shape is differentiated; it is a polynomial of low degree [-] */
 
-/* How the place of a knot's weighted corners changes with a change of the wrench through its element: by a central difference. */
+/* Change of the position of a knot's weighted corners with the wrench through its element: by a central difference. */
 static void by_wrench(const rod_state *rod, int element, int number, const double *at, const double *change, double *found)
 {
     const fingerfem_outline *outline = rod->segment->outline[rod->segment->law_of[element]];

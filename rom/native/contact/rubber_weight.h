@@ -1,4 +1,4 @@
-/* How the rubber of a free finger that weighs moves by the tensions. */
+/* Motion of the rubber of a free finger that weighs, by the tensions. */
 #ifndef FINGERFEM_RUBBER_WEIGHT_H
 #define FINGERFEM_RUBBER_WEIGHT_H
 #include "rubber.h"
@@ -7,6 +7,6 @@
  * plate of segment q, where the plates alone are bodies. */
 void rubber_weight_moves(const chain_rods *map, int q, const rod_end *clamp, int knot, const double *at, double (*found)[TENSIONS_MOST]);
 
-/* How the pose of an element changes by all tensions, (tensions, FINGERFEM_POSE). */
+/* Derivatives of an element's pose by all tensions, (tensions, FINGERFEM_POSE). */
 void rubber_weight_pose(const chain_rods *map, int q, int element, double *found);
 #endif

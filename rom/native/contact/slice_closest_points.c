@@ -99,7 +99,7 @@ static void press(const rubber_slice *slice, const fingerfem_object *object, dou
     found->slides = fabs(from) < 1.0 && t[0] < 1.0 && t[1] < 1.0;
 }
 
-/* Add the contact of a point, seen from the slice. Its dome is what the gap grows by in a solution, see SLICE_DOME. */
+/* Add the contact of a point, seen from the slice, with the compliance of the segment's rubber [m/N]. Its dome is what the gap grows by in a solution, see SLICE_DOME. */
 static void note_point(const rubber_slice *slice, int name, const near_point *point, double compliance,
                        const indentation_profile *profile, objects_contacts *all)
 {
@@ -111,7 +111,8 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
     all->segment = slice->segment;
-    const int k = objects_note_rubber(all, name, point->gap, point->at, fmax(compliance, OBJECTS_COMPLIANCE), 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
+    const double own = fmax(compliance / slice->modulus, OBJECTS_COMPLIANCE);
+    const int k = objects_note_rubber(all, name, point->gap, point->at, own, 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
     if (k >= 0) all->borders[k] = point->border;
 }
 

@@ -26,7 +26,7 @@ void slice_nearest_along(const rubber_slice *slice, const fingerfem_object *obje
 /* The closest point around the outline from where the point is, at its x, or, if `along`, with x that is nearest. */
 void slice_nearest_around(const rubber_slice *slice, const fingerfem_object *object, double d, int along, near_point *point);
 
-/* Where around the outline the closest point may be, seen from the point's x. */
+/* Possible closest points around the outline, seen from the point's x. */
 void slice_begin_around(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point);
 
 /* Add a contact that is closest on some line. The object presses it in from both sides of the point, which moves to the middle of

@@ -1,4 +1,4 @@
-/* How the closest point of a slice slides along it as the slice moves before an object. */
+/* Sliding of the closest point along a slice as the slice moves before an object. */
 #include <math.h>
 #include <string.h>
 #include "slice_points.h"

@@ -165,16 +165,22 @@ static double curvature(const rod_state *rod, int element, int across, const dou
     return 2.0 * (across ? pose[4] : -pose[5]) / rod->segment->element_lengths[element];
 }
 
+/* r_j = 1 / E of the element for a tendon under a face, else 0 [1/Pa]. */
+static double raise_of(const fingerfem_segment *segment, int element, int j, int across, int side)
+{
+    return fmax((side ? 1.0 : -1.0) * segment->ridges[2 * j + across], 0.0) / segment->element_moduli[element];
+}
+
 /* Height of the ridge of a face, far from plates and the clamp [m]. A tendon with tension F under the face presses on
  * the rubber outwards with F kappa per length, where kappa > 0 is the curvature towards the face. It lifts the middle
  * of the face by RIDGE F kappa / E, as measured on the full-order model. */
 static double ridge_of(const rod_state *rod, int element, int across, int side)
 {
-    const double *ridges = rod->segment->ridges, k = (side ? 1.0 : -1.0) * curvature(rod, element, across, rod->elements[element].pose);
+    const double k = (side ? 1.0 : -1.0) * curvature(rod, element, across, rod->elements[element].pose);
     double found = 0.0;
-    /* sum_j RIDGE F_j r_j kappa, with r_j = 1 / E for a tendon under this face, else 0; none where kappa < 0 */
+    /* sum_j RIDGE F_j r_j kappa; none where kappa < 0 */
     for (int j = 0; j < rod->segment->tensions; j++)
-        found += RIDGE * rod_tensions(rod, element)[j] * fmax((side ? 1.0 : -1.0) * ridges[2 * j + across], 0.0) * fmax(k, 0.0);
+        found += RIDGE * rod_tensions(rod, element)[j] * raise_of(rod->segment, element, j, across, side) * fmax(k, 0.0);
     return found;
 }
 
@@ -189,7 +195,6 @@ int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const 
                          const double *by, double *found)
 {
     const int element = slice->element;
-    const double *ridges = rod->segment->ridges;
     double raises[TENSIONS_MOST] = {0.0};
     /* face of the point: across y (0) or z (1), its side, and the curvature kappa towards it */
     const int across = fabs(material[1]) < 1.0 ? 1 : 0, side = material[1 + across] > 0.0;
@@ -197,10 +202,11 @@ int slices_ridge_changes(const rod_state *rod, const rubber_slice *slice, const 
     double all = 0.0;
     memset(found, 0, (size_t)count * sizeof *found);
     if (fabs(material[1]) == 1.0 && fabs(material[2]) == 1.0) return 0;
-    /* sum_i F_i r_i, with r_i = 1 / E for a tendon under this face, else 0 */
+    /* sum_i F_i r_i */
     for (int j = 0; j < rod->segment->tensions; j++) {
-        raises[own ? own[j] : j] = fmax(sign * ridges[2 * j + across], 0.0);
-        all += rod_tensions(rod, element)[j] * fmax(sign * ridges[2 * j + across], 0.0);
+        const double raise = raise_of(rod->segment, element, j, across, side);
+        raises[own ? own[j] : j] = raise;
+        all += rod_tensions(rod, element)[j] * raise;
     }
     /* d height / dF_j = RIDGE raised (kappa r_j + sum_i F_i r_i dkappa/dF_j), along the axis */
     for (int j = 0; j < count && k > 0.0; j++)
@@ -257,11 +263,12 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     /* its element as a beam: length l, nu / l, sides a of squares that bend as the section, phi, E I = E a^4 / 12 */
     found->share = segment->place_shares[place];
     found->length = segment->element_lengths[found->element];
+    found->modulus = segment->element_moduli[found->element];
     found->bulging = segment->poisson / found->length;
     const double size = segment->begins + (1.0 - segment->begins) * (place + 0.5) / (segment->places - 1);
     const double sides[2] = {segment->depths[0] * size, segment->depths[1] * size};
     found->slender = SLENDER * (sides[0] / found->length) * (sides[1] / found->length);
-    for (int i = 0; i < 2; i++) found->stiffness[i] = segment->young_modulus * sides[i] * sides[i] * sides[i] * sides[i] / 12.0;
+    for (int i = 0; i < 2; i++) found->stiffness[i] = found->modulus * segment->young_modulus * sides[i] * sides[i] * sides[i] * sides[i] / 12.0;
     /* centres of the sections where its element begins and ends */
     for (int end = 0; end < SLICE_ENDS; end++) slices_section(map, state, q, found->element + end, found->ends[end], rotation);
 }

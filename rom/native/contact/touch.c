@@ -279,7 +279,7 @@ static int touch_by(const fingerfem_touching *touching, const double *point, dou
     memset(jacobian, 0, (size_t)(rows * p) * sizeof *jacobian);
     if (by_object) memset(by_object, 0, (size_t)(W * m * rows) * sizeof *by_object);
     /* free finger at the tensions, clamped to their box */
-    *inside = tensions_all_clamped(chain->segments[0], point, held);
+    *inside = chain_clamped(chain, point, held);
     chain_set_tensions(chain, held, memory, &map);
     memset(state.wrench, 0, sizeof state.wrench);
     memset(state.forces, 0, sizeof state.forces);

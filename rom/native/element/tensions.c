@@ -1,10 +1,10 @@
 #include "tensions.h"
 
-int tensions_all_clamped(const fingerfem_segment *segment, const double *tensions, double *held)
+int tensions_all_clamped(int count, const double *lower, const double *upper, const double *tensions, double *held)
 {
     int inside = 1;
-    for (int k = 0; k < segment->tensions; k++) {
-        held[k] = tensions_clamped(segment, k, tensions[k]);
+    for (int k = 0; k < count; k++) {
+        held[k] = tensions_clamped(lower[k], upper[k], tensions[k]);
         inside &= held[k] == tensions[k];
     }
     return inside;

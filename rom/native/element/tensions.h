@@ -20,15 +20,15 @@ static inline void tensions_chebyshev(double z, int most, double *values, double
     }
 }
 
-/* Tension k within its box; NaN is the lowest. */
-static inline double tensions_clamped(const fingerfem_segment *segment, int k, double tension)
+/* A tension within its box; NaN is the lowest. */
+static inline double tensions_clamped(double lower, double upper, double tension)
 {
-    const double held = tension > segment->lower[k] ? tension : segment->lower[k];
-    return held < segment->upper[k] ? held : segment->upper[k];
+    const double held = tension > lower ? tension : lower;
+    return held < upper ? held : upper;
 }
 
-/* All tensions within the box, (tensions); returns whether they all were. */
-int tensions_all_clamped(const fingerfem_segment *segment, const double *tensions, double *held);
+/* All tensions within a box, (count); returns whether they all were. */
+int tensions_all_clamped(int count, const double *lower, const double *upper, const double *tensions, double *held);
 
 /* Monomials of tensions inside their box, and their derivatives by these, (1 + tensions, monomials). */
 void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found);

@@ -45,12 +45,17 @@ static void set_guided(const fingerfem_chain *chain, int k, int first, double *m
         const double *given = chain->guides->tensions + all * (first + e), *by = chain->guides->rates + all * all * (first + e);
         for (int i = 0; i < t; i++) {
             /* within the box, beyond which a tension changes nothing */
-            const double held = tensions_clamped(segment, i, given[own[i]]);
+            const double held = tensions_clamped(segment->lower[i], segment->upper[i], given[own[i]]);
             tensions[t * e + i] = held;
             for (int j = 0; j < t; j++) rates[t * (t * e + i) + j] = held == given[own[i]] ? by[all * own[i] + own[j]] : 0.0;
         }
     }
     rod_set_guided(segment, tensions, rates, memory, work, found);
+}
+
+int chain_clamped(const fingerfem_chain *chain, const double *tensions, double *held)
+{
+    return tensions_all_clamped(chain->tensions, chain->lower, chain->upper, tensions, held);
 }
 
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found)
@@ -115,6 +120,14 @@ int chain_add_body(chain_rods *map, int segment, int element)
     map->bodies[b].part.last = map->bodies[b + 1].part.last; /* at least its plate is beyond it */
     map->bodies[b + 1].part.last = element;
     return b;
+}
+
+int chain_all_bodies(chain_rods *map)
+{
+    for (int k = 0; k < map->chain->plates; k++)
+        for (int e = 1; e < map->chain->segments[k]->elements; e++)
+            if (chain_add_body(map, k, e) < 0) return 0;
+    return 1;
 }
 
 int chain_load_of(const chain_rods *map, int body)
@@ -441,7 +454,7 @@ int chain_placed(const fingerfem_chain *chain, const double *tensions, const dou
 {
     double wrench[CHAIN_WRENCH];
     /* rods at the tensions within their box */
-    int inside = tensions_all_clamped(chain->segments[0], tensions, held);
+    int inside = chain_clamped(chain, tensions, held);
     chain_set_tensions(chain, held, memory, map);
     chain_contract(map);
     /* bodies under the loads, motions by wrenches and by tensions */

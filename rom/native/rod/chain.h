@@ -60,6 +60,9 @@ typedef struct {
     chain_body bodies[MOST_BODIES];
 } chain_state;
 
+/* Tensions within the box that all segments have in common, (tensions); returns whether they all were. */
+int chain_clamped(const fingerfem_chain *chain, const double *tensions, double *held);
+
 /* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size; plates alone bear wrenches. For what
  * carries wrenches they must be contracted too; `chain_free` does so itself if the chain weighs. */
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
@@ -74,6 +77,9 @@ int chain_body_of(const chain_rods *map, int segment, int element);
 /* Make the section where an element begins, or the ground, a body too; returns its number, or -1 if there is no room. The
  * numbers of those beyond it grow by one. */
 int chain_add_body(chain_rods *map, int segment, int element);
+
+/* Make every plate and section a body; returns 0 if there is no room. */
+int chain_all_bodies(chain_rods *map);
 
 /* The number of a plate, or of a body among the chain's loads: wrenches on the plates, then on the sections where the other
  * elements of each segment begin, from its plate to its clamp. */

@@ -126,7 +126,7 @@ static guides_move move_of(const guides_state *state, int k, int j, double slip,
     const double trial = next - own + slip / (SOFTER * yielding), most = own * (grows - 1.0) + drag, least = -(next * (grows - 1.0) + drag);
     if (trial > most) return GUIDES_PULLED;
     if (trial < least) return GUIDES_LET_OUT;
-    return own <= state->chain->segments[0]->lower[j] && slip > 0.0 ? GUIDES_SLACK : GUIDES_STICKS;
+    return own <= state->chain->lower[j] && slip > 0.0 ? GUIDES_SLACK : GUIDES_STICKS;
 }
 
 /* The affine slips at an element's end by changes d of its tensions: values + by d. */
@@ -153,7 +153,7 @@ static void equation(const guides_state *state, int k, int j, const affine *slip
     }
     if (move == GUIDES_SLACK) {
         a[j] = 1.0;
-        *right = chain->segments[0]->lower[j] - own;
+        *right = chain->lower[j] - own;
         return;
     }
     /* T' - T exp(mu theta) - c = 0, or T - T' exp(mu theta) - c = 0; with theta by the tensions of both elements */
@@ -232,7 +232,7 @@ static int change_motors(const guides_state *state, const affine *slips, double 
 
 double guides_step(guides_state *state)
 {
-    const fingerfem_segment *all = state->chain->segments[0];
+    const fingerfem_chain *all = state->chain;
     const int t = state->chain->tensions;
     affine slips;
     double change[T], largest = 0.0;

@@ -40,7 +40,7 @@ static inline double *guides_tensions(const guides_state *state, int k)
 
 static inline double guides_held(const guides_state *state, int j, double tension)
 {
-    return tensions_clamped(state->chain->segments[0], j, tension);
+    return tensions_clamped(state->chain->lower[j], state->chain->upper[j], tension);
 }
 
 /* Numbers of memory for the elements of a chain. */

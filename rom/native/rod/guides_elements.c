@@ -1,4 +1,4 @@
-/* What friction in guides needs of the elements: how much shorter their tendons are, and by how much they are bent, with the derivatives
+/* Input of friction in guides from the elements: shortenings of their tendons, and angles of their bending, with the derivatives
  * by the tensions in each element itself. */
 #include "guides.h"
 #include <math.h>

@@ -18,7 +18,7 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
     rod_state rod;
     rod_end end;
     /* the rod at the clamped tensions, under the wrench */
-    const int within = tensions_all_clamped(segment, tensions, held);
+    const int within = tensions_all_clamped(segment->tensions, segment->lower, segment->upper, tensions, held);
     rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
     rod_under(&rod, (rod_part){0, segment->elements}, wrench, &end);
@@ -99,7 +99,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     rod_end end;
     double least = INFINITY, share = 1.0;
     /* the rod at the clamped tensions, and the target's rotation */
-    *inside = tensions_all_clamped(segment, tensions, held);
+    *inside = tensions_all_clamped(segment->tensions, segment->lower, segment->upper, tensions, held);
     rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
     rotation_of(quaternion, target);

@@ -99,7 +99,7 @@ int fingerfem_chain_point_force(const fingerfem_chain *chain, const double *tens
 {
     const int t = chain->tensions, columns = t + FELT;
     double held[TENSIONS_MOST], wrench[CHAIN_WRENCH] = {0.0}, at = position;
-    int bodies[ENDS], inside = tensions_all_clamped(chain->segments[0], tensions, held);
+    int bodies[ENDS], inside = chain_clamped(chain, tensions, held);
     support supports[ENDS];
     chain_rods map;
     chain_state state;

@@ -1,9 +1,9 @@
-/* How changes follow each other along a rod, see rod_march.c: rows of numbers, one for every input, in parts. */
+/* Propagation of changes along a rod, see rod_march.c: rows of numbers, one for every input, in parts. */
 #ifndef FINGERFEM_ROD_FOLLOW_H
 #define FINGERFEM_ROD_FOLLOW_H
 #include "rod_march.h"
 
-/* How a section moves and turns with a part of the inputs, in the plate's frame. */
+/* Motion and rotation of a section by a part of the inputs, in the plate's frame. */
 typedef struct {
     wide move[3], turn[3];
 } follow_motion;
@@ -148,7 +148,7 @@ __attribute__((always_inline)) static inline void follow_changes(const rod_eleme
     }
 }
 
-/* Where a part ends, seen from its body, (3). */
+/* End of a part, seen from its body, (3). */
 static inline void follow_clamp(const rod_state *rod, rod_part part, double *end)
 {
     const rod_element *last = rod->elements + part.last - 1;

@@ -50,7 +50,7 @@ int rod_work(const fingerfem_segment *segment)
 
 int32_t fingerfem_segment_memory(const fingerfem_segment *segment) { return rod_memory(segment, 0) + rod_work(segment); }
 
-/* Where the arrays of a rod lie; returns what is left of its memory. */
+/* Places the arrays of a rod; returns the rest of its memory. */
 static double *lay_out(const fingerfem_segment *segment, int guided, double *memory, double *work, rod_state *found)
 {
     const int sets = guided ? segment->elements : segment->laws;

@@ -45,7 +45,7 @@ typedef struct {
     int inside;
 } rod_end;
 
-/* How a section moves and turns with the tensions, in the plate's frame: rows, one number for every tension. */
+/* Motion and rotation of a section by the tensions, in the plate's frame: rows, one number for every tension. */
 typedef struct {
     double move[3][TENSIONS_MOST], turn[3][TENSIONS_MOST];
 } rod_motion;
@@ -99,20 +99,20 @@ int rod_pose(const rod_state *rod, int k);
 /* The end of a part of a contracted rod under a wrench on its body, (6). */
 void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end);
 
-/* How the body moves by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
+/* Motion of the body by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
 void rod_by_tensions(const rod_state *rod, rod_part part, double (*motion)[TENSIONS_MOST]);
 
 /* Deviations of the poses of all elements by their variants, (elements, count, 8), at the same loads. */
 void rod_deviate(const rod_state *rod, int pressed);
 
-/* How the body moves by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
+/* Motion of the body by the variants of its elements, (6, TENSIONS_MOST), at the loads that `rod_under` was called with last,
  * or, unless it is pressed, `rod_free`. */
 void rod_by_variants(const rod_state *rod, rod_part part, int pressed, double (*motion)[TENSIONS_MOST]);
 
 /* The end of a rod without a wrench, without its motion by one, and how the plate moves by the tensions. */
 void rod_free(const rod_state *rod, rod_end *end, double (*motion)[TENSIONS_MOST]);
 
-/* How the distal section of an element moves by the tensions where `rod_free` has placed it; the clamp, if `section` is the
+/* Motion of an element's distal section by the tensions, as `rod_free` has placed it; the clamp, if `section` is the
  * number of elements. */
 void rod_free_motion(const rod_state *rod, int section, rod_motion *moved);
 #endif

@@ -151,7 +151,7 @@ static void leave(const double *end, const weight_motion *motion, int stride, do
     }
 }
 
-/* What weighs at a body: its plate, if it is one. */
+/* Mass at a body: its plate's, if it is one. */
 static rod_mass at_body(const rod_state *rod, rod_part part)
 {
     return (rod_mass){part.first ? 0.0 : rod->masses[0], {0.0, 0.0, 0.0}};

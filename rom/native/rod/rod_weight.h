@@ -6,7 +6,7 @@
 /* Numbers of a load on a body: its wrench, (6), and the acceleration by weight, (3) [m/s^2], both in its frame. */
 enum { ROD_LOAD = ROD_WRENCH + 3, WIDE_LOAD = (ROD_LOAD + WIDE - 1) / WIDE };
 
-/* What weighs between a body and a section: mass [kg], and its first moment about the body's centre, sum m c [kg m]. */
+/* Weight between a body and a section: mass [kg], and its first moment about the body's centre, sum m c [kg m]. */
 typedef struct {
     double mass, moment[3];
 } rod_mass;
@@ -25,13 +25,13 @@ void rod_weight_by_tensions(const rod_state *rod, rod_part part, const double *p
 /* As `rod_by_variants`. */
 void rod_weight_by_variants(const rod_state *rod, rod_part part, const double *pull, double (*motion)[TENSIONS_MOST], rod_weight *weight);
 
-/* How the distal section of an element moves by some tensions, `count`, seen from the plate, where the load changes too, (9,
+/* Motion of an element's distal section by some tensions, `count`, seen from the plate, where the load changes too, (9,
  * TENSIONS_MOST); and how the wrench through the element, (6, TENSIONS_MOST), and its pose change, (count, 8). The clamp, if
  * `section` is the number of elements: then the last two are left. `own` says which of them the segment's are. */
 void rod_weight_section(const rod_state *rod, int section, int count, const int32_t *own, const double *pull,
                         double (*load)[TENSIONS_MOST], rod_motion *moved, double (*wrench)[TENSIONS_MOST], double *pose);
 
-/* How sections move with a part of the inputs, and how the first moment of what weighs beyond changes. */
+/* Motions of sections by a part of the inputs, and changes of the first moment of the mass beyond. */
 typedef struct {
     follow_motion moved;
     wide moment[3];

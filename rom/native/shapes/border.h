@@ -20,6 +20,6 @@ border_point border_at(const fingerfem_segment *segment, double parameter);
 /* The parameter of the farthest point in a direction, (2). */
 double border_towards(const fingerfem_segment *segment, const double *direction);
 
-/* How deep a point, (2) [m], lies within the outline; negative outside [m]. */
+/* Depth of a point, (2) [m], within the outline; negative outside [m]. */
 double border_depth(const fingerfem_segment *segment, const double *point);
 #endif

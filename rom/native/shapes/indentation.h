@@ -1,4 +1,4 @@
-/* How deep a slice of rubber is pressed in: springs along it, of which those press that the object reaches. */
+/* Indentation of a slice of rubber: springs along it, of which those press that the object reaches. */
 #ifndef FINGERFEM_INDENTATION_H
 #define FINGERFEM_INDENTATION_H
 
@@ -15,7 +15,7 @@ typedef struct {
 /* One side of a profile, from the gaps midway and at its end over that of the closest point [m]. */
 void indentation_side(indentation_profile *profile, int side, double length, double midway, double end);
 
-/* How far each side is pressed in at a depth of the closest point [m], t, 0 to 1. */
+/* Shares t of both sides that are pressed in, 0 to 1, at a depth of the closest point [m]. */
 void indentation_zone(const indentation_profile *profile, double depth, double *t);
 
 /* The tangent of the law at a depth of the contact [m]: share s of the slice that presses, at least a small one, and

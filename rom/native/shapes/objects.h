@@ -1,4 +1,4 @@
-/* Where rigid objects may touch a plate: points of the plate, each with its gap, and the wrench that a unit force there
+/* Possible contacts of rigid objects with a plate: points of the plate, each with its gap, and the wrench that a unit force there
  * puts on the plate, in the plate's own frame. */
 #ifndef FINGERFEM_OBJECTS_H
 #define FINGERFEM_OBJECTS_H
@@ -14,7 +14,7 @@ void objects_find(const fingerfem_object *object, const double *half_lengths, do
 double objects_feature_at(const fingerfem_object *object, double d, const double *centre, const double *rotation, const double *p,
                           objects_feature *feature, double *n);
 
-/* How the normal n changes as the point before a feature, at a distance [m] from it, moves by v, (3). */
+/* Change of the normal n as the point before a feature, at a distance [m] from it, moves by v, (3). */
 void objects_normal_change(const objects_feature *feature, double distance, const double *n, const double *v, double *found);
 
 /* n . dt/dl of the tangent t along an outline: with the curvature, and the normal n out of an object [1/m]. */
@@ -23,7 +23,7 @@ static inline double objects_border_bend(const border_point *border, const doubl
     return border->bend * (n[2] * border->tangent[0] - n[1] * border->tangent[1]);
 }
 
-/* How the wrench of contact k changes as the plate moves by v, t: (6, 6). */
+/* Derivatives of the wrench of contact k by motions of the plate, v, t: (6, 6). */
 void objects_change(const fingerfem_object *object, const objects_contacts *contacts, int k,
                     double (*change)[FINGERFEM_WRENCH]);
 

@@ -62,7 +62,7 @@ static inline void objects_turned_back(const double *rotation, const double *v, 
 /* The gap that is solved for: with the dome, and with what the linearised indentation adds [m]. */
 static inline double objects_gap(const objects_contacts *contacts, int k) { return contacts->gaps[k] + contacts->domes[k] + contacts->lifts[k]; }
 
-/* How deep an object may lie in the free plate for its sides to be distinguished [m]. */
+/* Largest depth of an object in the free plate at which its sides can be distinguished [m]. */
 double objects_shallow(const fingerfem_object *object, const double *half_lengths);
 
 /* For shapes of several features. Note a contact at p with normal n, in place of that with the largest gap if there is no

@@ -25,7 +25,7 @@ from rom.rod.compiled.arrangement import (
     tension_monomials,
     variants,
 )
-from rom.rod.compiled.indentation import Outlined, indentations
+from rom.rod.compiled.indentation import indentations
 from rom.rod.compiled.outlines import Outline, knots_of, outline_of
 
 CORNERS = LIBRARY.constants.FINGERFEM_CORNERS
@@ -50,6 +50,7 @@ class CondensedSegment:
         depths: sides of squares that bend as the plate's section does towards y and z, (12 I)^(1/4), shape (2,) [m];
             None if these are the sides of its box.
         begins: size of the section where the segment begins over that of the plate's [-].
+        moduli: of every element's material over that of the rubber, shape (elements,) [-]; None if all are 1.
         young_modulus: of the rubber [Pa]; 0 where nothing is known of it.
         poisson: Poisson's ratio of the rubber [-].
         ridges: height of the ridge above each tendon, over its tension and the curvature, for faces across y and
@@ -67,6 +68,7 @@ class CondensedSegment:
     section: SectionOutline | None = None
     depths: np.ndarray | None = None
     begins: float = 1.0
+    moduli: Sequence[float] | None = None
     young_modulus: float = 0.0
     poisson: float = 0.0
     ridges: np.ndarray | None = None
@@ -115,10 +117,10 @@ def struct(segment: CondensedSegment) -> Any:
         slices = known["places"] - 1
         pitch = np.ptp(knots) / slices
         half, section = segment.half_lengths[1:].mean() * (1 + segment.begins) / 2, segment.section
-        outlined = None
+        rubber, filled = (segment.young_modulus, segment.poisson), None
         if section is not None and not section.is_rectangle:
-            outlined = Outlined(filled=section.area / float(np.prod(2 * section.box)), poisson=segment.poisson)
-        known |= indentations(segment.young_modulus, half, pitch, slices, outlined)
+            filled = section.area / float(np.prod(2 * section.box))
+        known |= indentations(rubber, half, pitch, slices, filled)
         known["outline"] = LIBRARY.pointers("fingerfem_outline", corners_of)
     if segment.shortenings is not None:
         sixes = [six for k in first for six in in_sixes(segment.shortenings[k])]
@@ -143,6 +145,7 @@ def struct(segment: CondensedSegment) -> Any:
         laws=len(laws),
         law=LIBRARY.pointers("fingerfem_law", structs),
         law_of=law_of,
+        element_moduli=np.ones(len(law_of)) if segment.moduli is None else np.array(segment.moduli, float),
         **known,
         half_lengths=segment.half_lengths.tolist(),
         **border(segment.section),
@@ -197,12 +200,18 @@ def chain_struct(
     weighs = dict(weight or {})
     if weighs:
         weighs["gravity"] = weighs["gravity"].tolist()
+    lower, upper = np.full(own.shape[1], -np.inf), np.full(own.shape[1], np.inf)
+    for segment, which in zip(segments, own, strict=True):
+        for k, j in enumerate(which[: segment.tensions]):
+            lower[j], upper[j] = max(lower[j], segment.lower[k]), min(upper[j], segment.upper[k])
     return LIBRARY.struct(
         "fingerfem_chain",
         plates=len(segments),
         tensions=own.shape[1],
         segments=LIBRARY.pointers("fingerfem_segment", segments),
         own=own,
+        lower=lower,
+        upper=upper,
         rest=rest.tolist(),
         surface_error=surface_error,
         **errors,

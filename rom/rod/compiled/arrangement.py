@@ -82,7 +82,7 @@ def tension_monomials(t: int, powers: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def factors(powers: list[tuple[int, ...]]) -> np.ndarray:
-    """Where the factors of products lie among the polynomials of three components, shape (products, 3)."""
+    """Indices of products' factors among the polynomials of three components, shape (products, 3)."""
     return 4 * (3 * np.array(powers) + np.arange(3))
 
 

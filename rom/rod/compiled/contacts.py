@@ -1,4 +1,4 @@
-"""Where a finger and an object may touch at given loads, and how forces act there (possible_contacts.c)."""
+"""Possible contacts of a finger and an object under given loads, and motions by forces there (possible_contacts.c)."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def indented(contacts: Contacts, forces: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def material_points(chain: Any, tensions: np.ndarray, loads: np.ndarray, contacts: Contacts) -> np.ndarray:
-    """Where the material points of contacts are under other tensions and loads, shape (m, 3) [m].
+    """Positions of contacts' material points under other tensions and loads, shape (m, 3) [m].
 
     Args:
         chain: a struct fingerfem_chain.

@@ -43,8 +43,8 @@ def evaluate(touching: Any, points: np.ndarray) -> Evaluation:
 def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[np.ndarray] | None:
     """The surface of a chain, a struct fingerfem_chain, as sections of every segment, shapes (m, 4, 3) [m].
 
-    Of each: where its rubber begins, places along it, its plate's back and front; corners -y -z, -y z, y -z and y z.
-    None where nothing is known of a segment's rubber.
+    Sections of a segment: the start of its rubber, positions along it, its plate's back and front. Corners: -y -z,
+    -y z, y -z and y z. None if a segment has no outlines of its rubber.
     """
     counts = [compiled.segments[k].places + ENDS for k in range(compiled.plates)]
     found = np.empty((sum(counts), 4, 3))

@@ -85,6 +85,37 @@ def advance(touching: Any, arrays: GuideArrays, point: np.ndarray, wound: np.nda
 
 
 @brief
+class GuidedElements(NamedTuple):
+    """Elements of a finger with guides under loads.
+
+    Attributes:
+        shortenings: of the tendons in every element, shape (n, t) [m].
+        yielding: their derivatives by the tension there at fixed wrenches, shape (n, t) [m/N].
+        bends: of the elements, shape (n,) [rad].
+    """
+
+    shortenings: np.ndarray
+    yielding: np.ndarray
+    bends: np.ndarray
+
+
+def elements(
+    touching: Any, arrays: GuideArrays, motors: np.ndarray, loads: np.ndarray, gravity: np.ndarray | None = None
+) -> GuidedElements:
+    """The elements at the arrays' tensions, those of the motors, shape (t,) [N], and loads on all bodies [N, N m].
+
+    `gravity` is the acceleration by weight on a moving base, shape (3,) [m/s^2]; the chain's own if None.
+    """
+    shape = arrays.tensions.shape
+    found = GuidedElements(np.empty(shape), np.empty(shape), np.empty(shape[0]))
+    memory = np.empty(LIBRARY.functions.fingerfem_guides_memory(touching.chain))
+    weight = LIBRARY.ffi.NULL if gravity is None else pointer(np.array(gravity, float))
+    given = (np.array(motors, float), np.array(loads, float), memory)
+    LIBRARY.functions.fingerfem_guides_elements(touching.chain, weight, *map(pointer, given), *map(pointer, found))
+    return found
+
+
+@brief
 class GuidedAnswer(NamedTuple):
     """An answer at the end of an increment, as in `Evaluation`, of one point without its first axis."""
 

@@ -18,7 +18,7 @@ MOST_BRANCHES = LIBRARY.constants.FINGERFEM_MOST_BRANCHES
 
 @brief
 class Stepped(NamedTuple):
-    """Where a step of time ends.
+    """End of a time step.
 
     Attributes:
         state: see `Stepper`.
@@ -64,6 +64,7 @@ class Stepper:
         self._memory, self._state = memory_of(chain), np.zeros(ends[-1] + LIBRARY.ffi.sizeof("fingerfem_pressed") // 8)
         self._point, self._base = np.zeros(chain.tensions + touching.count), np.zeros(BASE)
         self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(1, np.int32)
+        self.loads = slice(*ends[:2])  # of a state, the loads on all bodies
         moving, loads, relaxing_of, pressed = map(pointer, np.split(self._state, ends))
         self._pressed = LIBRARY.ffi.cast("fingerfem_pressed *", pressed)
         results = pointer(self._forces), pointer(self._energy), pointer(self._inside, "int32_t[]"), self._pressed
@@ -71,7 +72,7 @@ class Stepper:
         self._given, self._turned = pointer(self._point), pointer(self._base)
 
     def moving(self, state: np.ndarray) -> np.ndarray:
-        """How the bodies move in a state, shape (bodies, 30)."""
+        """Motions of the bodies in a state, shape (bodies, 30), see FINGERFEM_MOVING in segment.h."""
         return state[: self._bodies * MOVING].reshape(-1, MOVING)
 
     def at_rest(self, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
@@ -84,13 +85,21 @@ class Stepper:
         known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
         return self._state.copy() if known else None
 
-    def linearised(self, tensions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Mass matrix, and motions of all bodies by wrenches on them, at tensions, shapes (6 bodies, 6 bodies)."""
+    def linearised(self, point: np.ndarray, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Mass matrix, and motions of all bodies by wrenches, shapes (6 bodies, 6 bodies), about an equilibrium.
+
+        Args:
+            point: tensions and every d, shape (t + m,) [N, m].
+            loads: on all bodies there [N, N m].
+
+        Returns:
+            None without an equilibrium.
+        """
         found = np.empty((2, 6 * self._bodies, 6 * self._bodies))
-        self._point[: len(tensions)] = tensions
-        chain, results = self._touching.chain, [pointer(one) for one in found]
-        LIBRARY.functions.fingerfem_linearise(chain, self._with_mass, self._given, self._memory, *results)
-        return found[0], found[1]
+        given = (np.array(one, float) for one in (point, loads))
+        arguments = *map(pointer, given), self._memory, *map(pointer, found)
+        known = LIBRARY.functions.fingerfem_linearise(self._touching, self._with_mass, *arguments)
+        return (found[0], found[1]) if known else None
 
     def step(
         self,

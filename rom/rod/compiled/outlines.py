@@ -54,7 +54,7 @@ def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
 
 
 def knots_of(outlines: Sequence[Outline], begins: float) -> np.ndarray:
-    """Where the knots of a segment are at rest, from the clamp on, shape (knots,) [m].
+    """Positions of a segment's knots along it at rest, from the clamp on, shape (knots,) [m].
 
     The first is where the rubber begins, the last where it ends: at the plate's face.
 

@@ -1,4 +1,4 @@
-"""What a finger reports besides answers, by compiled code: orientations, shortenings, and where its elements are."""
+"""Compiled reports of a finger besides answers: orientations, shortenings, and positions of its elements."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ QUATERNION, ERRORS = LIBRARY.constants.FINGERFEM_QUATERNION, LIBRARY.constants.F
 
 @brief
 class Reports(NamedTuple):
-    """What a finger with t tendons before m objects reports at n points, and the derivatives by tensions and every d.
+    """Reports of a finger with t tendons before m objects at n points, and their derivatives by tensions and every d.
 
     Attributes:
         rows: tip orientation w, x, y, z [-], then shortenings [m], shape (n, 4 + t).
@@ -42,7 +42,7 @@ class Reports(NamedTuple):
 
 
 def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How much shorter the t tendons of a chain with n plates are, shape (t,) [m], and the derivatives.
+    """Shortenings of the t tendons of a chain with n plates, shape (t,) [m], and their derivatives.
 
     Args:
         compiled: a struct fingerfem_chain.
@@ -64,7 +64,7 @@ def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tu
 def shortenings_by_force(
     compiled: Any, tensions: np.ndarray, position: float, force: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, bool]:
-    """How much shorter the t tendons of a chain are where one force presses across it, shape (t,) [m].
+    """Shortenings of the t tendons of a chain under one force across it, shape (t,) [m].
 
     Args:
         compiled: a struct fingerfem_chain.

@@ -40,7 +40,7 @@ class Touched(NamedTuple):
 
     @property
     def wrenches(self) -> np.ndarray:
-        """Of the loads those on the plates, shape (n, 6 plates) [N, N m]."""
+        """Wrenches on the plates, part of the loads, shape (n, 6 plates) [N, N m]."""
         return self.loads[:, : 6 * self.plates]
 
 

@@ -62,7 +62,7 @@ def law(
     yielded = motions + compliances[:, None] * forces
     yielded[:, 1:] -= compliances[:, None] * before
     trial = forces - r * yielded
-    kept = (1 - stiffness * compliances)[:, None]  # what a trial changes by with its force
+    kept = (1 - stiffness * compliances)[:, None]  # change of a trial with its force
     pressed, way = trial[:, 0], trial[:, 1:]
     size = np.linalg.norm(way, axis=1)
     states = np.where(pressed <= 0, OPEN, np.where(size <= friction * pressed, STICKS, SLIDES))

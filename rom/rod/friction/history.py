@@ -26,7 +26,7 @@ Status = Literal["converged", "out_of_domain", "no_equilibrium"]
 @brief
 @dataclass(frozen=True, kw_only=True)
 class FrictionState:
-    """Where a history has led.
+    """State at a point of a history.
 
     Attributes:
         status: `out_of_domain` where the elements were not trained, here or on the way, or the object may not be;
@@ -56,7 +56,7 @@ def friction_history(
     """States along a history, from point to point in straight lines; contact sticks and slides by Coulomb's law.
 
     A first point in contact is reached by the object coming along its direction, with the tensions as they are there.
-    What sticks and what slides depends on the way: an error of first order in the increments' size is left. There are
+    Sticking and sliding depend on the way: an error of first order in the increments' size is left. There are
     as many more of them as keep an object from passing a plate by between two.
 
     Args:
@@ -117,7 +117,7 @@ def _least(model: TouchedSegment, begun: Loads, goal: Loads) -> int:
 
 
 def _pushed(model: TouchedSegment, begun: Loads, goal: Loads) -> float:
-    """How far the object moves and, by the tensions alone, the plates [m]."""
+    """Motion of the object plus the largest of the plates by tensions alone [m]."""
     object_way = goal.moved - begun.moved + (goal.d - begun.d) * model.direction
     one, other = (model.rod.place(loads.tensions).centres for loads in (begun, goal))
     return float(np.linalg.norm(object_way) + np.linalg.norm(other - one, axis=1).max())

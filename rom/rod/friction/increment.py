@@ -20,7 +20,7 @@ SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the friction, where it comes in steps
 
 @brief
 class Loads(NamedTuple):
-    """What is given in an increment.
+    """Imposed tensions and motion of the object in an increment.
 
     Attributes:
         tensions: shape (t,) [N].
@@ -155,7 +155,7 @@ def _forces(at: Contacts, parts: np.ndarray) -> np.ndarray:
 
 
 def _parts(at: Contacts, known: dict[Label, np.ndarray]) -> np.ndarray:
-    """Of forces in space those along n, t1, t2, shape (m, 3); 0 where none is known."""
+    """Components of forces in space along n, t1, t2, shape (m, 3); 0 for contacts without a force."""
     forces = np.array([known.get(label, np.zeros(3)) for label in at.labels]).reshape(-1, 3)
     return np.einsum("mai,mi->ma", at.axes, forces)
 
@@ -177,12 +177,12 @@ def _law(
 
 
 def _shared(at: Contacts) -> np.ndarray:
-    """How far contacts yield with unit forces at others, shape (m, m) [m/N]."""
+    """Compliances of contacts by unit forces at others, shape (m, m) [m/N]."""
     return at.compliances - np.diag(np.diagonal(at.compliances))
 
 
 def _jacobian(at: Contacts, found: ContactLaw, parts: np.ndarray) -> np.ndarray:
-    """Of balance and law, by the wrenches and the forces; slips by what a point moves on the finger are left out."""
+    """Derivatives of balance and contact law by wrenches and forces; a point's motion on the finger adds no slip."""
     size, m = len(at.motions), len(parts)
     following = np.zeros((size + 1, size + 1))  # the clamp's row and column are the last
     for k in range(m):

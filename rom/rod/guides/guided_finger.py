@@ -133,7 +133,8 @@ class GuidedFinger(PickledByFields):
         return [one.name for one in self.model.parameters]
 
     @cached_property
-    def _touching(self) -> Any:
+    def touching(self) -> Any:
+        """For compiled code, a struct fingerfem_touching of which every element has the tensions of `arrays`."""
         if isinstance(self.model, Rod):
             return guides.guided(self.rod.struct, LIBRARY.ffi.NULL, 0, self.arrays)
         given = self.model.touching
@@ -193,7 +194,7 @@ class GuidedFinger(PickledByFields):
             raise ModelError("advance must be called before jacobian, got no increment yet")
         (begun, point, wound), t = self.last, len(self.rod.names)
         if not self.arrays.loads.any() and "gravity" not in self.rod.scene and not wound.any():
-            return guides.answer(self._touching, self.arrays, point[t:]).jacobian[: 3 + len(point) - t]
+            return guides.answer(self.touching, self.arrays, point[t:]).jacobian[: 3 + len(point) - t]
         kept = self.arrays.keep(), self.work, self.dissipated, self.inside
         columns = []
         try:
@@ -206,7 +207,7 @@ class GuidedFinger(PickledByFields):
                     if not self._reach(near, wound, HALVINGS):
                         where = f"{one.name} near {point[k]:g}"
                         raise ModelError(f"jacobian must have equilibria at {where}, got none")
-                    found = guides.answer(self._touching, self.arrays, near[t:])
+                    found = guides.answer(self.touching, self.arrays, near[t:])
                     sides.append(found.out[: 3 + len(point) - t])
                 columns.append((sides[0] - sides[1]) / (2 * step))
         finally:
@@ -217,7 +218,7 @@ class GuidedFinger(PickledByFields):
     def _reach(self, goal: np.ndarray, wound: np.ndarray, halvings: int) -> bool:
         """One increment, or two halves of it."""
         kept = self.arrays.keep()
-        steps, work, inside = guides.advance(self._touching, self.arrays, goal, wound)
+        steps, work, inside = guides.advance(self.touching, self.arrays, goal, wound)
         if steps > 0:
             self.work, self.dissipated = self.work + float(work[0]), self.dissipated + float(work[1])
             self.inside &= inside
@@ -239,7 +240,7 @@ class GuidedFinger(PickledByFields):
         m = len(distances)
         if not self._rubs:  # as `evaluate`, from rest
             self.arrays.loads[:] = 0.0
-        found = guides.answer(self._touching, self.arrays, distances)
+        found = guides.answer(self.touching, self.arrays, distances)
         self.inside &= found.inside
         return GuideState(
             status="converged" if self.inside else "out_of_domain",

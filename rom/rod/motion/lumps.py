@@ -13,6 +13,7 @@ import numpy as np
 
 from rom.brief import brief
 from rom.dataset.sections.section import area, mean_squares
+from rom.elements.pieces import Piece
 from rom.rod.rod import Rod
 from rom.rod.scene.materials_of_rod import line_mass
 
@@ -43,12 +44,13 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
     Raises:
         ModelError: the centre of mass of a section is not on the axis.
     """
-    whole, (density, squares) = area(rod.scene), line_mass(rod.scene, density)
-    steel = mean_squares(rod.scene)
+    whole, steel = area(rod.scene), mean_squares(rod.scene)
+    lines = {one.material: line_mass(rod.scene, density, one.material) for own in rod.pieces for one in own}
 
-    def bar(length: float, size: float, begin: float) -> np.ndarray:
-        """A prism of rubber with the section at a size [-], see `prism`."""
-        return prism(density * length * whole * size**2, length, squares * size**2, begin)
+    def bar(piece: Piece, length: float, size: float, begin: float) -> np.ndarray:
+        """A prism of a piece's rubber with the section at a size [-], see `prism`."""
+        line = lines[piece.material]
+        return prism(line.density * length * whole * size**2, length, line.squares * size**2, begin)
 
     plates, sections = list[np.ndarray](), list[np.ndarray]()
     first, others = list[np.ndarray](), list[np.ndarray]()  # mass matrices of elements at plates, of the others
@@ -59,21 +61,22 @@ def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
         for piece, behind in zip(own, begins, strict=True):
             length = (piece.length - behind) / 2  # an element of the plate begins at its centre, the rubber at its back
             distal, proximal = piece.ends
-            bodies[-1] = bodies[-1] + bar(length, distal, -behind - length)
-            bodies.append(bar(length, proximal, 0.0))
+            bodies[-1] = bodies[-1] + bar(piece, length, distal, -behind - length)
+            bodies.append(bar(piece, length, proximal, 0.0))
         shear = 2.0 * (1 + segment.poisson) / SHEAR  # E over the shear modulus and its coefficient [-]
         ahead = rod.segments[len(plates) - 1].half_lengths[0] if plates else 0.0  # from the clamp to the body before
         masses = []
         for k, (piece, behind) in enumerate(zip(own, begins, strict=True)):
             length, size = piece.length - behind, sum(piece.ends) / 2
-            mass = density * length * whole * sum(one**2 for one in piece.ends) / 2
+            line = lines[piece.material]
+            mass = line.density * length * whole * sum(one**2 for one in piece.ends) / 2
             arms = behind, ahead if k == len(own) - 1 else 0.0
-            masses.append(_element_mass(mass, length, squares * size**2, shear, arms))
+            masses.append(_element_mass(mass, length, line.squares * size**2, shear, arms))
         first.append(masses[0])
         others += masses[1:]
         if plates:  # rubber at the segment's clamp moves with the plate before, of which it lies in front
             front = rod.segments[len(plates) - 1].half_lengths[0]
-            plates[-1] = plates[-1] + bar(own[-1].length / 2, own[-1].ends[1], front)
+            plates[-1] = plates[-1] + bar(own[-1], own[-1].length / 2, own[-1].ends[1], front)
         plates.append(bodies[0])
         sections += bodies[1:-1]
     found = np.array(plates + sections)

@@ -5,14 +5,14 @@ Elements have the compliance of their static laws, or viscoelastic branches, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from rom.brief import brief
 from rom.dataset.actuators import refuse_chambers
 from rom.dataset.rigid_motion import BaseMotion
 from rom.files.checked_file import ModelError
@@ -21,6 +21,8 @@ from rom.rod.compiled.touched import touches
 from rom.rod.motion.base import RESTING, Base, checked
 from rom.rod.motion.branches import branches_of
 from rom.rod.motion.lumps import lumps_of
+from rom.rod.motion.motion_state import MotionState
+from rom.rod.motion.tendon_friction import TendonFriction
 from rom.rod.scene.materials_of_rod import DENSEST
 from rom.rod.touched_rod import TouchedRod
 
@@ -28,30 +30,6 @@ HALVINGS = 8  # largest number for a step without a solution
 ROUNDING = 1e-12  # relative error of a step's length [-]
 SHORTEST = 1e-6  # shortest step, in which the tolerance of positions is a kinetic energy of at most a nJ [s]
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
-Status = Literal["converged", "out_of_domain", "no_equilibrium"]
-
-
-@brief
-@dataclass(frozen=True, kw_only=True)
-class MotionState:
-    """Position and velocity of a finger at the end of a step, seen from its base.
-
-    Attributes:
-        status: `out_of_domain` outside the trained domain of the elements; `no_equilibrium` if the shortest step has no
-            solution: the finger then keeps its state from before the step, and numbers are nan.
-        time: at the end of the step [s].
-        tip: displacement of the tip plate's centre, shape (3,) [m].
-        velocity: of the tip plate's centre, shape (3,) [m/s].
-        contact_forces: mean over the last step on every object against its direction, shape (m,) [N].
-        kinetic_energy: of the finger [J].
-    """
-
-    status: Status
-    time: float
-    tip: np.ndarray
-    velocity: np.ndarray
-    contact_forces: np.ndarray
-    kinetic_energy: float
 
 
 class MovingFinger:
@@ -66,9 +44,13 @@ class MovingFinger:
         radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. Rubber in contact is
             such a spring, too. A plate does not rebound by itself.
         parts: number of parts of every interior element; more parts increase the accuracy of higher frequencies.
+        friction: of the tendons in their guides, as of `rom.GuidedFinger` [-]; None: a tendon has one tension. Motors
+            have reached the initial tensions from rest together.
+        per_length: friction besides [N/m].
 
     Raises:
-        ModelError: no density, no initial equilibrium, or more sections than compiled code supports.
+        ModelError: no density, no initial equilibrium, more sections than compiled code supports, or friction of
+            tendons with rubber that relaxes.
 
     Example:
         >>> finger = rom.MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0)
@@ -86,6 +68,8 @@ class MovingFinger:
         plate_density: float | None = None,
         radius: float = RADIUS,
         parts: int = 1,
+        friction: float | Sequence[float] | None = None,
+        per_length: float = 0.0,
     ):
         refuse_chambers(model.rod.scene, "motion")
         weight = model.rod.scene.get("gravity") or {"direction": [0.0, -1.0, 0.0], "acceleration": 0.0}
@@ -106,21 +90,28 @@ class MovingFinger:
         self.lumps = lumps_of(model.rod, density, plate_density)
         self._t = len(model.rod.names)
         self._base: Base | None = None  # moves once it is given a motion
-        self._compile()
+        self._ranges = np.array([one.distances for one in model.objects]).tolist()
         self._point = self._checked(parameters)
-        begun = touches(model.touching, self._point[None])
-        if not begun.inside[0]:
-            raise ModelError(f"parameters must be where the finger can rest, got {self._point.tolist()}")
-        state = self._stepper.at_rest(self._point[: self._t], begun.loads[0])
+        self._friction: TendonFriction | None = None
+        if friction is None:
+            begun = touches(model.touching, self._point[None])
+            if not begun.inside[0]:
+                raise ModelError(f"parameters must be where the finger can rest, got {self._point.tolist()}")
+            loads = begun.loads[0]
+        else:
+            self._friction = TendonFriction(model, self._point, friction, per_length)
+            loads = self._friction.loads
+        self._compile()
+        state = self._stepper.at_rest(self._point[: self._t], loads)
         if state is None:
             raise ModelError(f"a moving finger must have fewer sections, got {len(self.lumps.masses)}")
         self._state = state
 
     def _compile(self) -> None:
         branches = branches_of(self.model.rod)
-        self._stepper = Stepper(self.model.touching, self.lumps._asdict(), self.radius, branches)
+        touching = self.model.touching if self._friction is None else self._friction.touching
+        self._stepper = Stepper(touching, self.lumps._asdict(), self.radius, branches)
         self._rest, self._tip = self.model.rod.rest, len(self.model.rod.scene["geometry"]["segments"]) - 1
-        self._ranges = np.array([one.distances for one in self.model.objects]).tolist()
         self._gravity = np.array(list(self.model.touching.chain.gravity))
 
     def __getstate__(self) -> dict[str, Any]:
@@ -158,6 +149,7 @@ class MovingFinger:
             self._base = Base(RESTING, np.eye(3))
         moves = RESTING if base is None else checked(base)
         begun, before = self.time, (self.time, self._state, self._base)
+        slid = None if self._friction is None else self._friction.now
         found, ahead, inside = None, length, self._objects_in_range(goal)
         while self.time < begun + length * (1 - ROUNDING):
             ahead = min(ahead, begun + length - self.time)
@@ -171,28 +163,54 @@ class MovingFinger:
                 ahead /= 2
                 if ahead < length / 2**HALVINGS:
                     self.time, self._state, self._base = before
+                    if self._friction is not None and slid is not None:
+                        self._friction.now = slid
                     return self._report(None)
                 continue
             found, self.time, inside = now, self.time + ahead, inside and now.inside
         self._point = goal
         return self._report(found._replace(inside=inside) if found else None)
 
-    def frequencies(self, tensions: ArrayLike, count: int = 3) -> np.ndarray:
-        """Return natural frequencies about the relaxed equilibrium at tensions, without objects, shape (count,) [Hz].
+    def frequencies(self, parameters: ArrayLike, count: int = 3) -> np.ndarray:
+        """Return natural frequencies about the relaxed equilibrium, shape (count,) [Hz].
+
+        Contacts that press stay closed, without friction; all others stay open.
+
+        Args:
+            parameters: tensions [N] and d [m] as of `step`, shape (t + m,), or tensions alone, without objects.
+            count: at most six for every plate and every section between elements.
 
         Raises:
-            ModelError: the wrong number of tensions, or no stable equilibrium.
+            ModelError: the wrong number of parameters or frequencies, no stable equilibrium in the elements' domain, or
+                friction of tendons.
         """
-        point = self._checked([*np.ravel(tensions), *[np.inf] * len(self._ranges)])
-        mass, compliance = self._stepper.linearised(point[: self._t])
-        try:  # C M f = f / w^2
-            squares = eigh(mass, (compliance + compliance.T) / 2, type=3, eigvals_only=True)
-        except np.linalg.LinAlgError:
-            raise ModelError(f"tensions must have a stable equilibrium, got {np.ravel(tensions).tolist()}") from None
-        return np.asarray(1 / (2 * np.pi * np.sqrt(squares[::-1][:count])))
+        if self._friction is not None:
+            raise ModelError("friction of tendons must be left out for frequencies: a guide that slips has none")
+        given = np.ravel(parameters)
+        away = np.full(len(self._ranges), np.inf)
+        point = self._checked(np.append(given, away) if given.shape == (self._t,) else given)
+        most = 6 * len(self.lumps.masses)
+        if not 0 < count <= most:
+            raise ModelError(f"count must be from 1 to {most}, got {count}")
+        begun = touches(self.model.touching, point[None])
+        found = self._stepper.linearised(point, begun.loads[0]) if begun.inside[0] else None
+        if found is None:
+            raise ModelError(f"parameters must have a stable equilibrium in the domain, got {given.tolist()}")
+        mass, compliance = found  # D M f = f / w^2; D is singular along closed contacts
+        squares = eigh((compliance + compliance.T) / 2, mass, type=2, eigvals_only=True)[::-1][:count]
+        if squares[-1] <= 0:
+            raise ModelError(f"count must be at most {(squares > 0).sum()} with these contacts, got {count}")
+        return np.asarray(1 / (2 * np.pi * np.sqrt(squares)))
+
+    @property
+    def element_tensions(self) -> np.ndarray:
+        """Tensions along the finger, segment by segment, each from its plate to its clamp, shape (n, t) [N]."""
+        if self._friction is not None:
+            return self._friction.now.tensions.copy()
+        return np.tile(self._point[: self._t], (sum(map(len, self.model.rod.pieces)), 1))
 
     def _objects_in_range(self, goal: np.ndarray) -> bool:
-        """Whether objects are within their distances, or away."""
+        """True if objects are within their distances, or away."""
         given = zip(goal[self._t :].tolist(), self._ranges, strict=True)
         return all(d == np.inf or nearest <= d <= farthest for d, (nearest, farthest) in given)
 
@@ -206,7 +224,15 @@ class MovingFinger:
 
     def _advance(self, point: np.ndarray, base: Base | None, length: float, at_rest: bool) -> Stepped | None:
         given = None if base is None else base.numbers(self._gravity)
-        found = self._stepper.step(self._state, point, length, given, has_mass=not at_rest)
+
+        def take(state: np.ndarray) -> Stepped | None:
+            return self._stepper.step(state, point, length, given, has_mass=not at_rest)
+
+        if self._friction is None:
+            found = take(self._state)
+        else:
+            gravity, kind = None if given is None else given[:3], (round(length, 9), at_rest)
+            found = self._friction.advance(take, self._state, self._stepper.loads, point[: self._t], gravity, kind)
         if found is not None:
             self._state, self._base = found.state, base
         return found
@@ -222,6 +248,7 @@ class MovingFinger:
                 velocity=nothing,
                 contact_forces=np.full(len(self._ranges), np.nan),
                 kinetic_energy=np.nan,
+                dissipated=np.nan,
             )
         return MotionState(
             status="converged" if found.inside else "out_of_domain",
@@ -230,4 +257,5 @@ class MovingFinger:
             velocity=tip[12:15].copy(),
             contact_forces=found.forces,
             kinetic_energy=found.energy,
+            dissipated=0.0 if self._friction is None else self._friction.now.dissipated,
         )

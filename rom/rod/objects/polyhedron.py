@@ -59,7 +59,7 @@ def polyhedron(points: np.ndarray) -> dict[str, Any]:
 
 
 def _faces(hull: ConvexHull) -> np.ndarray:
-    """Which face each triangle is of, shape (triangles,): neighbours in one plane are one."""
+    """Index of each triangle's face, shape (triangles,): neighbours in one plane are one."""
     found = np.full(len(hull.simplices), -1)
     for first in range(len(found)):
         if found[first] >= 0:

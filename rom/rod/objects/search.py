@@ -1,4 +1,4 @@
-"""Where an object is, from several touches of it: bounded least squares for what the touches felt."""
+"""Position of an object from several touches of it: bounded least squares for their measurements."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class FoundObject:
 
     @property
     def converged(self) -> bool:
-        """Whether the place is known."""
+        """True if the position is determined."""
         return self.status == "converged"
 
     def as_json(self) -> dict[str, Any]:
@@ -119,7 +119,7 @@ def find_object(
         pressed = force > 0
         slopes = -found.jacobians[:, FORCE, -1]
         stiffness = float(np.median(slopes[pressed])) if pressed.any() else float(felt.max() / within)
-        near = ~pressed & np.isfinite(touch)  # what is not touched yet is pulled on by its gap
+        near = ~pressed & np.isfinite(touch)  # an object not touched yet attracts by its gap
         off = np.where(pressed, force, 0.0)
         off[near] = stiffness * np.minimum(touch - points[:, -1], 0.0)[near]
         by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)

@@ -41,7 +41,7 @@ class RigidObject:
             raise ValueError(f"radius must be above 0 m, got {getattr(self, 'radius', None)}")
 
     def numbers(self) -> dict[str, Any]:
-        """Its numbers for the compiled solve, the fields of fingerfem_object."""
+        """Numbers of the object for the compiled solve, the fields of fingerfem_object."""
         axis = getattr(self, "axis", getattr(self, "normal", (0.0, 0.0, 0.0)))
         return {
             "shape": self.shape,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rom.dataset.geometry import plates_of
+from rom.dataset.geometry import rubber_of
 from rom.dataset.sections.section import extent
 from rom.files.checked_file import ModelError
 from rom.rod.scene.section_of_rod import NEAR
@@ -39,17 +39,17 @@ def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
-def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, modulus: float) -> list[int]:
+def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, moduli: np.ndarray) -> list[int]:
     """Which chamber of the elements every chamber of a finger is.
 
-    A chamber ends as far from the clamp and from the plate as the elements have it, and none of them is missing: their
-    voids are there whatever a scene says.
+    A chamber ends as far from its segment's clamp and plate as that of the elements does. Every segment has each of the
+    elements' chambers, whose voids it has.
 
     Args:
         trained: the elements' scene.
         scene: of the finger.
         size: of the finger over the elements' [-].
-        modulus: likewise of the rubber [-].
+        moduli: likewise of its materials [-].
 
     Raises:
         ModelError: one line with both values.
@@ -57,17 +57,37 @@ def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, m
     own, others = scene.get("chambers") or [], trained.get("chambers") or []
     if not own and not others:
         return []
-    if (count := len(scene["geometry"]["segments"])) > 1:
-        raise ModelError(f"geometry.segments must be one of a finger with chambers, got {count}")
-    found = [_matching(trained, scene, one, size, modulus) for one in own]
-    if sorted(found) != list(range(len(others))):
-        names = ", ".join(one["name"] for one in own) or "none"
-        raise ModelError(f"chambers must be those of the elements, each once ({len(others)} of them), got {names}")
+    found = [_matching(trained, scene, one, size, moduli) for one in own]
+    for k in range(len(scene["geometry"]["segments"])):
+        here = [(one, which) for one, which in zip(own, found, strict=True) if segment_with(scene, one) == k]
+        if sorted(which for _, which in here) != list(range(len(others))):
+            names = ", ".join(one["name"] for one, _ in here) or "none"
+            raise ModelError(
+                f"chambers in segment {k + 1} must be those of the elements, each once ({len(others)} of them), "
+                f"got {names}"
+            )
     return found
 
 
+def segment_with(scene: Mapping[str, Any], chamber: Mapping[str, Any]) -> int:
+    """The segment, counted from 0, whose rubber contains a chamber.
+
+    Raises:
+        ModelError: it lies in no segment's rubber.
+    """
+    rubber, near = rubber_of(scene["geometry"]), NEAR * extent(scene)
+    begin, end = chamber["x"]
+    inside = np.flatnonzero((rubber[:, 0] - near <= begin) & (end <= rubber[:, 1] + near))
+    if not inside.size:
+        spans = " or ".join(str(np.round(one, 9).tolist()) for one in rubber)
+        raise ModelError(
+            f"chambers.{chamber['name']}.x must lie in the rubber of one segment, {spans} m, got {chamber['x']}"
+        )
+    return int(inside[0])
+
+
 def _matching(
-    trained: Mapping[str, Any], scene: Mapping[str, Any], one: Mapping[str, Any], size: float, modulus: float
+    trained: Mapping[str, Any], scene: Mapping[str, Any], one: Mapping[str, Any], size: float, moduli: np.ndarray
 ) -> int:
     """The elements' chamber at a chamber's place, if that is like it."""
     name, ends = f"chambers.{one['name']}", _ends(scene, one)
@@ -77,11 +97,11 @@ def _matching(
             continue
         for what, value, wanted in (
             ("size", np.array(one["size"]), size * np.array(other["size"])),
-            ("x, distances from the clamp and from the plate,", ends, size * _ends(trained, other)),
+            ("x, distances from the segment's clamp and plate,", ends, size * _ends(trained, other)),
         ):
             if np.abs(value - wanted).max() > near:
                 raise ModelError(f"{name}.{what} must be {np.round(wanted, 9).tolist()} m, got {value.tolist()}")
-        lowest, highest = (modulus * end for end in other["pressure"])
+        lowest, highest = other["pressure"][0] * moduli.max(), other["pressure"][1] * moduli.min()
         slack = NEAR * highest
         if not lowest - slack <= one["pressure"][0] < one["pressure"][1] <= highest + slack:
             raise ModelError(
@@ -103,6 +123,6 @@ def rescaled_chamber(one: Mapping[str, Any], modulus: float, size: float) -> dic
 
 
 def _ends(scene: Mapping[str, Any], chamber: Mapping[str, Any]) -> np.ndarray:
-    """How far a chamber's ends are from the clamp and from the only plate, shape (2,) [m]."""
-    begin, end = chamber["x"]
-    return np.array([begin, plates_of(scene["geometry"])[0, 0] - end])
+    """Distances of a chamber's ends from its segment's clamp and plate, shape (2,) [m]."""
+    begin, end = rubber_of(scene["geometry"])[segment_with(scene, chamber)]
+    return np.array([chamber["x"][0] - begin, end - chamber["x"][1]])

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rom.brief import brief
-from rom.dataset.geometry import plates_of
+from rom.dataset.geometry import is_all_along
 from rom.dataset.sections.section import area, extent, mean_squares
 from rom.files.checked_file import ModelError
 from rom.rod.scene.section_of_rod import NEAR, equal
@@ -34,25 +34,36 @@ class LineMass(NamedTuple):
 
 
 def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the other materials of a scene as plain data; each extends all along the axis.
+    """Return the other materials of a scene as plain data.
+
+    Those with `x` are of whole sections along a part of the axis, see `rom.rod.scene.intervals_of_rod`.
 
     Raises:
-        ModelError: a material along a part of the axis, or a taper.
+        ModelError: a part of the section along a part of the axis.
         KeyError, TypeError, ValueError: a key is missing, or is no number.
     """
     found, geometry = [_checked(one) for one in scene.get("materials") or []], scene["geometry"]
     if len({one["name"] for one in found}) < len(found):
         raise ModelError(f"materials must differ in their names, got {[one['name'] for one in found]}")
     for one in found:
-        begin, end = one.get("x") or (0.0, np.inf)
-        if not (begin <= 0 and end >= plates_of(geometry)[-1, 0] * (1 - NEAR)):
+        x = one.pop("x", None)
+        if is_all_along(geometry, x):
+            continue
+        begin, end = one["x"] = [float(part) for part in x]
+        if not begin < end:
+            raise ModelError(f"materials.{one['name']}.x must be [from, to] with from < to, got {one['x']}")
+        if one["region"] != "section":
             raise ModelError(
-                f"materials.{one['name']}.x must be left out of a rod's scene, whose sections are equal all along "
-                f"the axis, got {one['x']}: use the full-order model (python3 -m fingerfem solve)"
+                f"materials.{one['name']}.x must be left out of a rod's scene unless the region is 'section': elements "
+                f"have one section, got {one['x']} of {one['region']!r}; use the full-order model "
+                "(python3 -m fingerfem solve)"
             )
-    if found and any(ratio != 1 for ratio in geometry.get("taper") or []):
-        raise ModelError(f"geometry.taper must be left out with several materials, got {geometry['taper']}")
     return found
+
+
+def along(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The other materials that extend all along the axis."""
+    return [one for one in scene.get("materials") or [] if one.get("x") is None]
 
 
 def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -81,7 +92,7 @@ def match_materials(trained: Mapping[str, Any], scene: Mapping[str, Any], size: 
     Raises:
         ModelError: a difference, with both values.
     """
-    own, others = ({one["name"]: one for one in table.get("materials") or []} for table in (scene, trained))
+    own, others = ({one["name"]: one for one in along(table)} for table in (scene, trained))
     if own.keys() != others.keys():
         names = (", ".join(table) or "none" for table in (others, own))
         raise ModelError("materials must be those of the elements, {}, got {}".format(*names))
@@ -102,17 +113,19 @@ def match_materials(trained: Mapping[str, Any], scene: Mapping[str, Any], size: 
         line_mass(scene, scene["gravity"]["density"])
 
 
-def line_mass(scene: Mapping[str, Any], rubber: float) -> LineMass:
+def line_mass(scene: Mapping[str, Any], rubber: float, material: str | None = None) -> LineMass:
     """Return the mass of a section, with the rubber's density [kg/m^3] and the scene's densities of other materials.
 
-    A material of area A whose density exceeds that of the rubber by r adds r A.
+    A material of area A whose density exceeds that of the rubber by r adds r A. The section has the materials that
+    extend all along the axis, or is of `material`.
 
     Raises:
         ModelError: the centre of mass is not on the axis.
     """
     whole = area(scene)
     mass, first, second = rubber * whole, np.zeros(2), rubber * whole * mean_squares(scene)
-    for one in scene.get("materials") or []:
+    own = [one for one in scene.get("materials") or [] if one["name"] == material] if material else along(scene)
+    for one in own:
         share, centre, squares = _region(scene, one)
         heavier = ((one.get("density") or rubber) - rubber) * share
         mass, first, second = mass + heavier, first + heavier * centre, second + heavier * squares

@@ -1,4 +1,4 @@
-"""Whether elements make the finger of a scene: by which size and modulus they are scaled, and which tendons are whose.
+"""Fit of elements to the finger of a scene: the size and modulus that scale them, and the tendons of each.
 
 By similarity, a finger `size` times as large of rubber `modulus` times as stiff does the same under forces
 modulus * size^2 times as large, at equal ratios of all lengths and of all moduli: exactly.
@@ -19,22 +19,28 @@ from rom.dataset.geometry import sizes_of
 from rom.dataset.sections.section import channel_width, extent
 from rom.files.checked_file import ModelError
 from rom.files.file_kinds import uses_of
-from rom.rod.scene.chambers_of_rod import chambers_of, matched, rescaled_chamber
+from rom.native import LIBRARY
+from rom.rod.scene.chambers_of_rod import chambers_of, matched, rescaled_chamber, segment_with
+from rom.rod.scene.intervals_of_rod import Interval, intervals_of
 from rom.rod.scene.materials_of_rod import match_materials, materials_of, modulus_of, rescaled_law, rescaled_material
 from rom.rod.scene.section_of_rod import NEAR, equal, rescaled_section, size_of_section, with_digest, without_square
 from rom.rod.weight import gravity_of
 
-MOST_SEGMENTS = 8
+MOST_SEGMENTS, MOST_ACTUATORS = 8, LIBRARY.constants.FINGERFEM_MOST_TENSIONS
 
 
 @brief
 class Similarity(NamedTuple):
-    """By how much elements are scaled [-], and which of their tendons and chambers every one of the finger is."""
+    """By how much elements are scaled [-], and which of their tendons and chambers every one of the finger is.
+
+    `intervals` are parts of the axis of other materials.
+    """
 
     size: float
     modulus: float
     tendons: list[int]
     chambers: list[int]
+    intervals: list[Interval]
 
 
 def passing(
@@ -42,7 +48,7 @@ def passing(
 ) -> tuple[list[str], list[int]]:
     """The loads of a segment, counted from 0: their names, and which of the elements' loads they are.
 
-    A tendon passes all segments up to its plate. Chambers are in the only segment.
+    A tendon passes all segments up to its plate. A chamber is in one segment.
     """
     pairs = [
         (tendon["name"], which)
@@ -53,6 +59,7 @@ def passing(
     pairs += [
         (chamber["name"], tendons + which)
         for chamber, which in zip(scene.get("chambers") or [], found.chambers, strict=True)
+        if segment_with(scene, chamber) == segment
     ]
     return [name for name, _ in pairs], [which for _, which in pairs]
 
@@ -152,15 +159,19 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     names = [one.name for one in actuators_of(scene)]
     if len(set(names)) < len(names):
         raise ModelError(f"tendons and chambers must have names of their own, got {', '.join(names)}")
-    sizes = sizes_of(scene["geometry"])
-    tendons = [_tendon_of(trained["tendons"], one, size * sizes, modulus) for one in scene["tendons"]]
+    if len(names) > MOST_ACTUATORS:
+        raise ModelError(f"tendons and chambers must be at most {MOST_ACTUATORS} of a rod, got {len(names)}")
+    match_materials(trained, scene, size, modulus)
+    intervals, sizes = intervals_of(trained, scene, modulus), sizes_of(scene["geometry"])
+    moduli = modulus * np.array([1.0, *(one.modulus for one in intervals)])
+    tendons = [_tendon_of(trained["tendons"], one, size * sizes, moduli) for one in scene["tendons"]]
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    match_materials(trained, scene, size, modulus)
-    found = Similarity(size, modulus, tendons, matched(trained, scene, size, modulus))
+    found = Similarity(size, modulus, tendons, matched(trained, scene, size, moduli), intervals)
     for segment in range(1, count + 1):
-        _check_sums(trained["tendons"], scene["tendons"], found, (segment, size * sizes[segment - 1 : segment + 1]))
+        own = size * sizes[segment - 1 : segment + 1]
+        _check_sums(trained["tendons"], scene["tendons"], found, (segment, own, moduli))
     return found
 
 
@@ -196,25 +207,28 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
     return found
 
 
-def _trained(tension: list[float], modulus: float, sizes: np.ndarray) -> tuple[float, float, float]:
-    """Lowest and highest tension that sections of all these sizes were trained with [N], and how far off is equal."""
-    lowest, highest = tension[0] * modulus * sizes.max() ** 2, tension[1] * modulus * sizes.min() ** 2
+def _trained(tension: list[float], moduli: np.ndarray, sizes: np.ndarray) -> tuple[float, float, float]:
+    """Lowest and highest tension that all moduli and sizes were trained with [N], and how far off is equal."""
+    lowest, highest = tension[0] * moduli.max() * sizes.max() ** 2, tension[1] * moduli.min() * sizes.min() ** 2
     return lowest, highest, NEAR * highest
 
 
 def _check_sums(
-    trained: list[dict[str, Any]], tendons: list[dict[str, Any]], found: Similarity, passed: tuple[int, np.ndarray]
+    trained: list[dict[str, Any]],
+    tendons: list[dict[str, Any]],
+    found: Similarity,
+    passed: tuple[int, np.ndarray, np.ndarray],
 ) -> None:
     """Tendons that pass a segment at one place pull there together; where none does, the tension is 0 N.
 
-    `passed` is the segment, and the sizes of its ends [-].
+    `passed` is the segment, the sizes of its ends, and moduli [-].
     """
-    segment, sizes = passed
+    segment, sizes, moduli = passed
     for k, one in enumerate(trained):
         own = [each for each, which in zip(tendons, found.tendons, strict=True) if which == k]
         passing = [each for each in own if each["segment"] >= segment]
         least, most = (sum(each["tension"][end] for each in passing) for end in (0, 1))
-        lowest, highest, slack = _trained(one["tension"], found.modulus, sizes)
+        lowest, highest, slack = _trained(one["tension"], moduli, sizes)
         if not (lowest - slack <= least and most <= highest + slack):
             names = " and ".join(each["name"] for each in passing) or "no tendon"
             offset = [round(found.size * part, 9) for part in one["offset"]]
@@ -224,7 +238,7 @@ def _check_sums(
             )
 
 
-def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.ndarray, modulus: float) -> int:
+def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.ndarray, moduli: np.ndarray) -> int:
     """Which trained tendon a tendon is that passes sections of some sizes from the clamp on, shape (segments + 1,)."""
     name, size, segments = f"tendons.{one['name']}", sizes[0], len(sizes) - 1
     if not 1 <= one["segment"] <= segments:
@@ -232,7 +246,7 @@ def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.nda
     for k, other in enumerate(trained):
         apart = np.abs(np.array(one["offset"]) - size * np.array(other["offset"])).max()
         if apart <= NEAR * size * np.abs(other["offset"]).max() and one["path"] == other["path"]:
-            lowest, highest, slack = _trained(other["tension"], modulus, sizes[: one["segment"] + 1])
+            lowest, highest, slack = _trained(other["tension"], moduli, sizes[: one["segment"] + 1])
             if not lowest - slack <= one["tension"][0] < one["tension"][1] <= highest + slack:
                 raise ModelError(
                     f"{name}.tension must lie in {lowest:.6g} to {highest:.6g} N, where the elements were trained, "

@@ -13,7 +13,7 @@ from rom.dataset.sections.section import FILE, RECTANGLE, RING, SIZES, SQUARE, s
 from rom.files.checked_file import ModelError
 
 NEAR = 1e-6  # relative difference of two numbers that are meant to be equal [-]
-WRITTEN = ("digest", "measures")  # what the full-order model writes besides a file's path
+WRITTEN = ("digest", "measures")  # keys that the full-order model writes besides a file's path
 
 
 def with_digest(scene: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def _checked(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def size_of_section(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> float:
-    """Of a scene's section over that of the elements [-].
+    """Size of a scene's section over that of the elements [-].
 
     Raises:
         ModelError: they differ in shape or ratios.

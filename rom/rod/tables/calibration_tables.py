@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from rom.console.table import Table, number, percent, shown
@@ -14,7 +15,7 @@ STRONG = 0.9  # correlations from which on two parameters are named [-]
 
 
 def calibration_tables(record: Mapping[str, Any]) -> list[Table | str]:
-    """On which log a finger was calibrated, its parameters, and its errors there; nothing without a calibration."""
+    """Log that a finger was calibrated on, its parameters, and its errors there; empty without a calibration."""
     if not record:
         return []
     title = f"calibrated on {record['log']} ({record['poses']} poses, {record['date']}, sha256 {record['sha256'][:12]})"
@@ -59,8 +60,8 @@ def _errors(record: Mapping[str, Any]) -> Table:
         unit = UNITS.get(name, "")
         fit, left_out = (record["residuals"][kind].get(name) for kind in ("fit", "left_out"))
         cells = [None if one is None else one[key] for one in (fit, left_out) for key in ("median", "p95")]
-        words = ["" if one is None else percent(one) if name in RELATIVE else number(one, unit, 3) for one in cells]
-        own = percent(noise) if name in RELATIVE else number(noise, unit, 3)
-        rows.append([name.replace("_", " "), own, *words, "" if name in RELATIVE else shown(unit)[1]])
+        written: Callable[[float], str] = percent if name in RELATIVE else partial(number, unit=unit, digits=3)
+        words = ["" if one is None else written(one) for one in cells]
+        rows.append([name.replace("_", " "), written(noise), *words, "" if name in RELATIVE else shown(unit)[1]])
     header = ["residual", "noise (1 sigma)", "fit, median", "fit, 95 %", "leave-one-out, median", "95 %", "unit"]
     return Table(header=header, rows=rows)

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 def tables(rod: Rod) -> list[Table | str]:
-    """For people: its segments, tendons, and how well its elements predict what was left out."""
+    """Tables for people: a finger's segments, tendons, and its elements' errors of left-out lines."""
     left_out = rod.elements.provenance["left_out"]
     rows = [
-        [str(k + 1), f"{1e3 * length:g}", ", ".join(piece.kind for piece in reversed(own))]
+        [str(k + 1), f"{1e3 * length:g}", ", ".join(map(str, reversed(own)))]
         for k, (length, own) in enumerate(zip(rod.scene["geometry"]["segments"], rod.pieces, strict=True))
     ]
     force, free = left_out["contact_force"], left_out["free_place_m"]
@@ -42,7 +42,7 @@ def tables(rod: Rod) -> list[Table | str]:
 
 
 def _weight(rod: Rod) -> list[str]:
-    """How much it weighs, and where that pulls; nothing without a weight."""
+    """Line with mass and acceleration of a finger that weighs, or no line."""
     weight = weight_of(rod)
     if weight is None:
         return []

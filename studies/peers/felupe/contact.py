@@ -45,12 +45,12 @@ class NodalSprings:
         return float(self._stiffness @ self._depths())
 
     def _vector(self, field: Any = None, **_: Any) -> Any:
-        """Its part of the residual [N]."""
+        """Contact's part of the residual [N]."""
         self.field = self.field if field is None else field
         return csr_matrix((self._stiffness * self._depths(), (self._dofs, 0 * self._dofs)), (3 * len(self._dofs), 1))
 
     def _matrix(self, field: Any = None, **_: Any) -> Any:
-        """Its part of the tangent [N/m]."""
+        """Contact's part of the tangent [N/m]."""
         self.field = self.field if field is None else field
         pressed = self._depths() > 0
         dofs = self._dofs[pressed]

@@ -95,7 +95,7 @@ class Finger:
         return found.x[0].values.copy(), self._springs.force()
 
     def _check(self, dx: Any, x: Any, f: np.ndarray, **given: Any) -> tuple[float, float, bool]:
-        """Of FElupe's Newton method: change over the length, residual over the force scale, whether that is enough."""
+        """Change over the length, residual over the force scale, and convergence of FElupe's Newton method."""
         moved = float(np.abs(dx).max()) / self.scene["length"]
         left = float(np.linalg.norm(f[given["dof1"]])) / self.scene["force_scale"]
         return moved, left, left <= NOISE and moved <= SETTLED

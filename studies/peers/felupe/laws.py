@@ -1,6 +1,6 @@
 """The scene's energies as materials of FElupe; imported in FElupe's own process alone.
 
-Neo-Hookean rubber, Yeoh's and steel are FElupe's own. Of Mooney's and Rivlin's law it gets the second invariant as an
+Neo-Hookean rubber, Yeoh's and steel are FElupe's own. It gets the second invariant of Mooney's and Rivlin's law as an
 energy, which it differentiates itself (tensortrax). The tendon's fibre is written out.
 """
 
@@ -54,7 +54,7 @@ class Fibre(felupe.ConstitutiveMaterial):
         return [stress, x[-1]]
 
     def hessian(self, x: list[np.ndarray]) -> list[np.ndarray]:
-        """Its derivative by F [Pa], shape (3, 3, 3, 3, points, cells)."""
+        """Derivative of the stress by F [Pa], shape (3, 3, 3, 3, points, cells)."""
         along = x[0][:, 0]
         length = np.linalg.norm(along, axis=0)
         n = along / length

@@ -66,7 +66,11 @@ REFUSED = {
     ),
     "motors alone": (columns(1), ALL[:2], "must have a position, orientation or contact force, got tension alone"),
     "no distance": (columns(1, contact=True), (*ALL, "contact"), "contact force must come with d"),
-    "torques without a radius": (columns(1), ("F1 [N mm]", "F2 [N mm]", "x", "y", "z"), "pulley_radius must be given"),
+    "torques without a radius": (
+        columns(1),
+        ("F1 [N mm]", "F2 [N mm]", "x", "y", "z"),
+        "pulley_radius must be a number",
+    ),
 }
 
 
@@ -106,5 +110,5 @@ def test_options_out_of_range_are_refused(options, words):
 
 def test_the_density_needs_a_direction_of_the_weight(tmp_path):
     file = written(tmp_path / "log.csv", columns(1), *ALL)
-    with pytest.raises(ValueError, match="gravity must be given, the direction of the weight"):
+    with pytest.raises(ValueError, match="gravity must be the direction of the weight"):
         calibrate(rom.load(), file, CalibrationOptions(fit=["density"]))

@@ -100,7 +100,7 @@ def page(opened):
 
 
 def asked(driver, points: np.ndarray) -> np.ndarray:
-    """What the page answers, shape (m, 9)."""
+    """Answers of the page, shape (m, 9)."""
     return np.vstack([asked_at_once(driver, points[k : k + 200]) for k in range(0, len(points), 200)])
 
 
@@ -189,7 +189,7 @@ def test_pressures_have_sliders_and_their_chambers_grow(driver, chambered, tmp_p
 
 
 def number(driver, name: str) -> float:
-    """What a reading says."""
+    """Number of a reading."""
     return float(driver.find_element("id", name).text.split("±")[0])
 
 

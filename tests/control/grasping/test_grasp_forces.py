@@ -92,18 +92,45 @@ def test_a_margin_that_is_none_is_refused():
         targets(THREE, Object(mass=0.1, friction=0.5, admissible_force=5.0), margin=np.nan)
 
 
-@pytest.mark.parametrize("lean", [0.0, 0.1, 0.3])
-def test_leaning_faces_take_from_the_angle_of_friction(lean):
-    held = Object(mass=0.1, friction=0.5, admissible_force=50.0, lean=lean)
-    least = 0.1 * GRAVITY / (3 * np.tan(np.arctan(0.5) - lean))
-    assert targets(THREE, held).least == pytest.approx(least, rel=1 / INSIDE - 1 + 1e-9)
+def leaning(lean: float) -> np.ndarray:
+    """Inward normals of faces that rise by an angle [rad], shape (1, 3, 3)."""
+    return np.column_stack([np.full(3, -np.sin(lean)), -np.cos(lean) * THREE])[None]
 
 
-def test_faces_that_lean_more_than_the_angle_of_friction_are_refused():
-    found = targets(THREE, Object(mass=0.01, friction=0.5, admissible_force=50.0, lean=0.5))
-    assert not found.exist and found.reason == "faces that may lean by 28.6 degrees slip at a friction of 0.5"
-    with pytest.raises(ValueError, match="lean must be from 0 to a right angle"):
-        Object(mass=0.01, friction=0.5, admissible_force=50.0, lean=-0.1)
+@pytest.mark.parametrize("lean", [-0.3, -0.1, 0.0, 0.1, 0.3])
+def test_faces_that_rise_carry_weight_and_faces_that_fall_add_to_it(lean):
+    held = Object(mass=0.1, friction=0.5, admissible_force=50.0, faces=leaning(lean))
+    least, highest = (0.1 * GRAVITY / (3 * (mu * np.cos(lean) + np.sin(lean))) for mu in (0.5, 0.5 * INSIDE))
+    found = targets(THREE, held)
+    assert least * (1 - 1e-9) <= found.least <= highest * (1 + 1e-9)
+    assert found.most == 50.0 and carries(THREE, held, found.contact_forces)
+
+
+def test_an_object_is_pushed_out_above_a_force_where_its_faces_rise_beyond_the_friction():
+    lean = 0.6
+    held = Object(mass=0.1, friction=0.5, admissible_force=50.0, faces=leaning(lean))
+    most, lowest = (0.1 * GRAVITY / (3 * (np.sin(lean) - mu * np.cos(lean))) for mu in (0.5, 0.5 * INSIDE))
+    found = targets(THREE, held)
+    assert found.exist and lowest * (1 - 1e-9) <= found.most <= most * (1 + 1e-9)
+    assert carries(THREE, held, np.full(3, 0.95 * most)) and not carries(THREE, held, np.full(3, 1.05 * most))
+
+
+def test_forces_hold_in_every_case_of_an_uncertain_pose():
+    cases = np.concatenate([leaning(lean) for lean in (-0.2, 0.0, 0.2)])
+    held = Object(mass=0.1, friction=0.5, admissible_force=50.0, faces=cases)
+    alone = Object(mass=0.1, friction=0.5, admissible_force=50.0, faces=cases[:1])
+    assert targets(THREE, held).least == pytest.approx(targets(THREE, alone).least)
+
+
+def test_faces_that_fall_by_more_than_the_angle_of_friction_are_refused():
+    found = targets(THREE, Object(mass=0.01, friction=0.5, admissible_force=50.0, faces=leaning(-0.5)))
+    assert found.reason == "no contact forces balance its weight on all faces that fingers may touch"
+    beyond = targets(THREE, Object(mass=0.01, friction=0.5, admissible_force=50.0, faces=leaning(np.pi / 2 + 0.1)))
+    assert beyond.reason == found.reason
+    with pytest.raises(ValueError, match="faces must be of 3 fingers"):
+        targets(THREE, Object(mass=0.01, friction=0.5, admissible_force=50.0, faces=leaning(0.0)[:, :2]))
+    with pytest.raises(ValueError, match="faces must be finite, of shape"):
+        Object(mass=0.01, friction=0.5, admissible_force=50.0, faces=leaning(0.0)[0])
 
 
 @pytest.mark.parametrize("scale", [1e-200, 1e-6, 1e6, 1e200])

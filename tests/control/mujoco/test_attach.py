@@ -40,7 +40,7 @@ def hand(compiler=""):
 
 
 def rests(simulation, finger, rod, tensions):
-    """Whether a finger's plates rest where its elements have them."""
+    """True if a finger's plates rest where its elements have them."""
     clamp = simulation.data.body(finger.clamp)
     centres = [simulation.data.body(plate).xpos - clamp.xpos for plate in finger.plates]
     found = np.array(centres) @ clamp.xmat.reshape(3, 3)

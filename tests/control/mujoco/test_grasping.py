@@ -6,10 +6,14 @@ from scipy.spatial.transform import Rotation
 
 mujoco = pytest.importorskip("mujoco")
 
+from control import Limits  # noqa: E402
+from control.mujoco import plants  # noqa: E402
+from control.mujoco.layouts import best_layout  # noqa: E402
 from control.mujoco.solids import SHAPES  # noqa: E402
+from control.mujoco.table import table  # noqa: E402
 from rom import Rod, TouchedSegment  # noqa: E402
 from rom.rod.inverse_map import InverseMap  # noqa: E402
-from studies.grasping.task import STEP, attempt, trial  # noqa: E402
+from studies.grasping.task import MARGIN, MOTOR, PERIOD, STEP, Watch, attempt, carry, close, trial  # noqa: E402
 from tests.control.mujoco.dragged_wall import DRAG, SOFT, before_a_wall, sliding  # noqa: E402
 
 
@@ -25,6 +29,20 @@ def test_a_solid_is_lifted_turned_and_put_down(model, number):
     assert max(map(abs, row["slips"].values())) < 1e-3
     assert row["hardest"] < row["admissible_force"]
     assert not (row["left"] or row["lost"])
+
+
+def test_a_held_solid_creeps_by_less_than_a_micrometre_a_second(model):
+    one = trial(10, "box")  # of 230 g
+    gripper, solid, turn, wanted = best_layout(model, one.solid, Limits(rate=MOTOR), MARGIN)
+    watch = Watch(table(gripper, model.rod, solid, one.error, turn, STEP), [])
+    driven, places = plants(watch.simulation, PERIOD, one.flaws, one.number), []
+    closing = close(gripper, one, wanted.contact_forces, driven, watch)
+    assert not closing.failed() and solid.mass > 0.2
+    for seconds in (1.0, 0.5, 1.0):  # lifted, at rest, and held
+        carry(closing.grips, driven, 2, 0.003, seconds, watch)
+        places.append([watch.simulation.data.body(name).xpos.copy() for name in ("object", "palm")])
+    (before, palm), (after, palm_after) = places[1:]
+    assert np.linalg.norm((after - palm_after) - (before - palm)) < 1e-6
 
 
 def test_what_cannot_be_held_is_refused_before_anything_moves(model):

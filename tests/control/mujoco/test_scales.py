@@ -33,7 +33,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def sagged(model):
-    """How the sections of the bundled finger rest under its weight, shape (n,)."""
+    """Coordinates of the bundled finger's sections at rest under its weight, shape (n,)."""
     spec = scene(1.0, gravity=(0, 0, -9.81))
     finger = attach(spec, model.rod, "palm")
     simulation = Simulation(spec.compile(), [finger])

@@ -48,7 +48,7 @@ def simulation_of(rod, gravity=(0.0, 0.0, 0.0), joints="", mass=1.0, relaxation=
 
 
 def places(simulation):
-    """Of the plates, seen from the clamp, shape (plates, 3) [m]."""
+    """Positions of the plates, seen from the clamp, shape (plates, 3) [m]."""
     clamp = simulation.data.body("finger clamp")
     away = [simulation.data.body(plate).xpos - clamp.xpos for plate in simulation.fingers[0].plates]
     return np.array(away) @ clamp.xmat.reshape(3, 3)

@@ -7,14 +7,14 @@ import pytest
 from scipy.signal import butter, cont2discrete
 
 import rom
-from control.tracking.linearised import HIGHEST, linearised, realised
+from control.tracking.linearised import HIGHEST, RESPONSES, linearised, realised
 
 PERIOD, SHARES = 1e-3, np.array([0.9, 0.1])
 ANGULAR = 2 * np.pi * np.array([[9.0, 50.0], [11.0, 60.0]])  # of both modes in both directions [rad/s]
 
 
 def pulses(angular: np.ndarray) -> np.ndarray:
-    """Of modes with y_i'' = w_i^2 (a_i u - y_i), whose input changes linearly in a period."""
+    """Pulse response of modes with y_i'' = w_i^2 (a_i u - y_i), whose input changes linearly in a period."""
     a, b = np.zeros((4, 4)), np.zeros((4, 1))
     for k, (w, share) in enumerate(zip(angular, SHARES, strict=True)):
         a[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = [[0, 1], [-(w**2), 0]]
@@ -29,7 +29,7 @@ def pulses(angular: np.ndarray) -> np.ndarray:
 
 
 def frequencies(system) -> np.ndarray:
-    """Of the poles that are hardly damped, not of the filter's [rad/s]."""
+    """Frequencies of the poles that are hardly damped, without the filter's [rad/s]."""
     poles = np.linalg.eigvals(system.a)
     return np.sort(np.abs(np.angle(poles[np.abs(poles) > 0.98]))) / PERIOD
 
@@ -64,3 +64,14 @@ def test_an_alias_of_a_higher_mode_is_not_the_lowest():
     """At 98 N a mode of some 196 Hz, sampled at 200 Hz, has a pole at 4 Hz; the lowest mode has 63 Hz."""
     system = linearised(rom.load(), np.array([98.0, 0.0]), 1100.0, 5e-3)
     assert system.filter == pytest.approx(np.array(butter(2, HIGHEST)))  # 1.5 times 63 Hz is near half of 200 Hz
+
+
+@pytest.mark.parametrize("period", [2e-2, 1e-1])
+def test_a_long_period_takes_no_more_steps_and_has_the_damping_and_inertia_of_a_short_one(period, monkeypatch):
+    finger, tensions, steps = rom.load("round"), np.full(4, 0.5), []
+    short, step = linearised(finger, tensions, None, 5e-3), rom.MovingFinger.step
+    monkeypatch.setattr(rom.MovingFinger, "step", lambda *given: steps.append(1) or step(*given))
+    found = linearised(finger, tensions, None, period)
+    assert len(steps) <= 2 * RESPONSES * 5
+    assert found.inertia == pytest.approx(short.inertia, rel=0.02, abs=1e-8)
+    assert np.abs(np.linalg.eigvals(found.a)).max() < 1.001

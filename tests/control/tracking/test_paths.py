@@ -28,6 +28,7 @@ def test_an_eight_crosses_its_centre_and_is_twice_as_wide_as_high():
     [
         ((0.0, PERIOD, 1.0), "rate must"),
         ((RATE, np.nan, 1.0), "period must"),
+        (("2 Hz", PERIOD, 1.0), "rate must be a finite number above 0 Hz, got '2 Hz'"),
         ((RATE, 0.2, 1.0), "laps a row, got 0.4"),
     ],
 )
@@ -37,7 +38,12 @@ def test_rates_and_periods_that_are_none_are_refused(given, message):
 
 
 @pytest.mark.parametrize(
-    ("centre", "radius", "message"), [([0.0, np.nan], RADIUS, "centre must"), (CENTRE, -RADIUS, "radius must")]
+    ("centre", "radius", "message"),
+    [
+        ([0.0, np.nan], RADIUS, "centre must"),
+        (CENTRE, -RADIUS, "radius must be a finite number of at least 0 m"),
+        (CENTRE, "3 mm", "radius must"),
+    ],
 )
 def test_a_circle_is_of_finite_numbers(centre, radius, message):
     with pytest.raises(ValueError, match=message):

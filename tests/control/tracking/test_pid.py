@@ -18,34 +18,34 @@ def finger():
 
 def test_it_integrates_an_error_by_the_tangent_and_does_not_wind_up(finger):
     pid = PidController(finger, PATH, (0.0, 2.0, 0.0), OPTIONS, Limits(upper=22.0, rate=100.0))
-    begun, pulled = pid.tensions, [pid.step(AWAY) for _ in range(50)]
+    begun, pulled = pid.tensions, [pid.step(tip=AWAY) for _ in range(50)]
     tip = finger.evaluate([*pulled[0], np.inf]).tip - finger.evaluate([*begun, np.inf]).tip
     assert tip[1:] == pytest.approx(2.0 * OPTIONS.period * 0.002 * np.ones(2), rel=0.02)
     assert np.max(pulled) == 22.0 and np.abs(np.diff(pulled, axis=0)).max() <= 0.5 + 1e-9
     beyond = [0.047, 0.012, 0.012]
-    assert (pid.step(beyond) < 22.0).all()  # it comes back at once
+    assert (pid.step(tip=beyond) < 22.0).all()  # it comes back at once
 
 
 def test_without_gains_it_pulls_what_is_given(finger):
     pulled = np.linspace([10.0, 12.0], [14.0, 11.0], len(PATH))
     pid = PidController(finger, PATH, (0.0, 0.0, 0.0), OPTIONS, pulled=pulled)
     while not pid.done:
-        assert pid.step(AWAY) == pytest.approx(pulled[pid.row])
+        assert pid.step(tip=AWAY) == pytest.approx(pulled[pid.row])
 
 
 def test_without_a_reading_its_last_error_acts_and_after_the_path_nothing_does(finger):
     pid, other = (PidController(finger, PATH[:5], (1.0, 2.0, 0.1), OPTIONS) for _ in range(2))
-    pid.step(AWAY), other.step(AWAY)
-    assert np.array_equal(pid.step(np.full(3, np.nan)), other.step(AWAY))  # the path stays
-    assert np.array_equal(pid.step(AWAY), pid.step([0.047, 0.0, 0.0])) and pid.done
+    pid.step(tip=AWAY), other.step(tip=AWAY)
+    assert np.array_equal(pid.step(), other.step(tip=AWAY))  # the path stays
+    assert np.array_equal(pid.step(tip=AWAY), pid.step(tip=[0.047, 0.0, 0.0])) and pid.done
 
 
 @pytest.mark.parametrize(
     ("path", "gains", "pulled", "message"),
     [
-        (PATH[:2], (0.0, 1.0, 0.0), None, "path must be at least three finite rows of y and z"),
-        (PATH, (0.0, np.nan, 0.0), None, "gains must be finite"),
-        (PATH, (0.0, 1.0, 0.0), np.zeros((9, 2)), "pulled must be 2 finite tensions a row of the path"),
+        (PATH[:2], (0.0, 1.0, 0.0), None, "path must have at least three rows of y and z"),
+        (PATH, (0.0, np.nan, 0.0), None, "gains must be finite numbers"),
+        (PATH, (0.0, 1.0, 0.0), np.zeros((9, 2)), r"pulled must be finite numbers \[N\] of shape \(60, 2\), got shape"),
     ],
 )
 def test_wrong_input_is_refused_in_a_line(finger, path, gains, pulled, message):

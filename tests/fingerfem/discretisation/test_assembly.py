@@ -68,7 +68,7 @@ def test_what_there_is_besides_is_added_at_its_nodes(whole):
 
 
 def test_half_a_finger_counts_as_the_whole_one():
-    """Of the same deformation, on the same grid: every second cell is the image of another."""
+    """The deformation and the grid are the same: every second cell is the image of another."""
     half = problem(in_plane=True)
     assert half.scene.is_half and half.copies == 2 and half.summed(1.5) == 3.0
     other = Assembly(half.space, 1, half.held)

@@ -76,7 +76,7 @@ class Jobs:
             job.stdin.flush()
 
     def end(self, *jobs: subprocess.Popen) -> int:
-        """How many forms they have compiled."""
+        """Number of forms that jobs have compiled."""
         compiled = 0
         for job in jobs:
             said, errors = job.communicate(timeout=300)

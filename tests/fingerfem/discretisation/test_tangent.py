@@ -44,7 +44,7 @@ def changed(table: dict, special: dict) -> dict:
 def term_by_term(model: FingerModel) -> scipy.sparse.csr_matrix:
     """K = sum of dS(w) : dE(v) + S* : d2E(v, w), S* = S(u0) + dS(u0) du; and what else there is.
 
-    Where the pressure is an unknown, K = sum of dp(w) dJ(v) + p* d2J(v, w), p* = p(u0) + dp(u0) du.
+    If the pressure is an unknown, K = sum of dp(w) dJ(v) + p* d2J(v, w), p* = p(u0) + dp(u0) du.
     """
     problem, scene = model.problem, model.scene
     u, u0 = problem.fields.u, problem.fields.previous

@@ -40,7 +40,7 @@ def thrown(moving: dict, obstacle: dict, d: float, time: dict) -> list[dict[str,
     ],
 )
 def test_an_impact_takes_energy_and_makes_none(moving, obstacle, d, step, radius):
-    """The plate keeps little of its velocity. What a step may make is a hundredth, `simulation.MADE`."""
+    """The plate keeps little of its velocity. A step may make a hundredth of its energy, `simulation.MADE`."""
     rows = thrown(moving, obstacle, d, {"end": 0.03, "step": step, "spectral_radius": radius})
     force, lost = (np.array([row[name] for row in rows]) for name in ("contact_force", "lost"))
     scale = rows[0]["kinetic"]

@@ -21,7 +21,7 @@ LAWS = {
 
 
 def resultants(model: FingerModel) -> tuple[np.ndarray, np.ndarray]:
-    """Of every layer of cells along the axis: its end [m], and the mean over it of the section's force [N].
+    """Ends of the layers of cells along the axis [m], and the means over each of the section's force [N].
 
     The force is the integral of P e_x over the section, P the first Piola-Kirchhoff stress of rubber, plates, tendons.
     """

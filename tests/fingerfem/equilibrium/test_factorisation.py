@@ -13,7 +13,7 @@ from fingerfem.equilibrium.factorisation import Factorisation
 
 
 class Stopped(BaseException):
-    """What the handler raises."""
+    """Exception that the handler raises."""
 
 
 @pytest.fixture(scope="module")

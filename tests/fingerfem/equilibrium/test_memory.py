@@ -24,7 +24,7 @@ def test_many_solves_leave_memory_flat(scene, solves):
 
 
 def test_tangents_that_are_not_definite_leave_memory_flat(draft):
-    """Of each, PETSc would leave a copy behind if CHOLMOD got the whole of it."""
+    """PETSc would leave a copy of each behind if CHOLMOD got the whole of it."""
 
     def resident() -> float:
         return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6

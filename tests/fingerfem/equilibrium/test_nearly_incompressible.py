@@ -53,7 +53,7 @@ def test_it_takes_no_more_iterations_than_the_rubber_on_which_presets_measure_th
 
 @pytest.mark.parametrize("pull", PULLS)
 def test_the_bending_converges_as_the_bulk_modulus_grows(pull):
-    """What is left of the tip's displacement to the incompressible limit falls as 1 - 2 nu."""
+    """The distance of the tip's displacement from the incompressible limit falls as 1 - 2 nu."""
     limit = bent(0.499995, pull).tip[1]
     away = [abs(bent(poisson, pull).tip[1] - limit) for poisson in (0.49, 0.499, 0.4999)]
     assert away[0] / away[1] == pytest.approx(10, rel=0.1)

@@ -1,4 +1,4 @@
-"""What a scene may name beyond the draft: contact methods, laws, near incompressibility, straight tendons, symmetry."""
+"""Options of a scene beyond the draft: contact methods, laws, near incompressibility, straight tendons, symmetry."""
 
 import tomllib
 from contextlib import nullcontext

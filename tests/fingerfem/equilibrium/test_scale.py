@@ -39,7 +39,7 @@ def finger(length: float, **obstacle) -> FingerModel:
 
 
 def figures(length: float, **obstacle) -> list[np.ndarray]:
-    """Of a bent and of a pressed state, over the units of length and force."""
+    """Figures of a bent and of a pressed state, over the units of length and force."""
     model, force = finger(length, **obstacle), C1 * length**2
     tensions = np.array([0.02, 0.01]) * C1 * (0.25 * length) ** 2
     free = model.solve(tensions)

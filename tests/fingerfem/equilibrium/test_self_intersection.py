@@ -1,4 +1,4 @@
-"""Whether a surface passes through itself: arcs of more than a turn, rigid motions, and crossings in closed form."""
+"""Self-intersection of a surface: arcs of more than a turn, rigid motions, and crossings in closed form."""
 
 import tomllib
 

@@ -1,4 +1,4 @@
-"""What a state reports: plain data, the state at rest, and shortenings of a homogeneous deformation in closed form."""
+"""Reports of a state: plain data, the state at rest, and shortenings of a homogeneous deformation in closed form."""
 
 import json
 from types import SimpleNamespace

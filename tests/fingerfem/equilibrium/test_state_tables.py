@@ -13,7 +13,7 @@ def state():
 
 
 def cell(tables, quantity: str, column: int) -> float:
-    """Of the first row of a quantity in the tables."""
+    """Value in the first row of a quantity in the tables."""
     found, *_ = [
         row[column] for table in tables if not isinstance(table, str) for row in table.rows if row[0] == quantity
     ]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fingerfem import FingerModel
-from fingerfem.equilibrium.continuation import Loads
+from fingerfem.equilibrium.steps import Loads
 from fingerfem.equilibrium.turns import turns
 from fingerfem.scene.scene import Scene
 

@@ -33,7 +33,7 @@ def test_the_linearised_law_is_newtons_step(stretches, share):
     base = np.linalg.svd(across(NORMALS)[:1])[0][0, :, :2]  # of the tangential plane
 
     def slope(by: int, change: float) -> np.ndarray:
-        """Of the law by f, s or b, shape (m, 3, 2), or (m, 3, 1)."""
+        """Differences of the law by f, s or b, shape (m, 3, 2), or (m, 3, 1)."""
         columns = []
         for way in base.T if by < 2 else [1.0]:
             ends = []

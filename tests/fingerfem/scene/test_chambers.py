@@ -82,7 +82,7 @@ def with_chambers(*changes: dict, **others: Any) -> dict:
         ),
         (
             with_chambers({"x": [0.021, 0.054]}, load={"force": 1.0}),
-            r"chambers.0.x must begin within one side of the clamp, not at it, .* \(0, 0.02\] and \[0.038, 0.058\] m",
+            r"chambers.0.x must begin within one side of its segment's clamp, .* \(0, 0.02\] and \[0.038, 0.058\] m",
         ),
         (with_chambers({"x": [0.0, 0.054]}, load={"force": 1.0}), "chambers.0.x must begin within .* not at it"),
         (with_chambers({"x": [0.004, 0.037]}, load={"force": 1.0}), "chambers.0.x must begin within .* got .*0.037"),

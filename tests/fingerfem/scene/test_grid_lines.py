@@ -19,7 +19,7 @@ SCENES = Path(__file__).resolve().parents[3] / "scenes"
 
 
 def lines_of(scene: Scene):
-    wanted = scene.outline.wanted(scene.mesh.cells[1], scene.is_half)
+    wanted = scene.outline.wanted(scene.mesh.cells[1], scene.is_half, scene.mesh.order)
     return grid_lines.lines_along(scene.outline, scene.mesh), *scene.geometry.shape.lines(wanted)
 
 

@@ -39,7 +39,7 @@ MACHINE = ctypes.CDLL(None)
 
 
 def killed_at(k: int, work: Callable[[], None]) -> bool:
-    """Whether a process that does some work was killed at its k-th change of a file; else it has done it."""
+    """True if a process that does some work was killed at its k-th change of a file; else it has done it."""
     child = os.fork()
     if child == 0:
         MACHINE.hostile_kill(ctypes.c_long(k))

@@ -66,7 +66,7 @@ def test_the_force_that_pressure_holds_is_that_of_the_full_order_model(table, fi
 
 
 def test_answers_before_a_plane_are_right_or_marked(table, finger):
-    """Where both chambers bulge the faces, the plane is often touched there first."""
+    """If both chambers bulge the faces, the plane is often touched there first."""
     before_plane = {name: one for name, one in table.items() if name != "load"} | {
         "obstacle": {"distance": [*DISTANCES]}
     }

@@ -1,4 +1,4 @@
-"""What a machine may do to a set: each is really done, and each ends in a complete set or in one clear line."""
+"""Disasters of a machine: each is really done to a set, and ends in a complete set or in one clear line."""
 
 import json
 import os

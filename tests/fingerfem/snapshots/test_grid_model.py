@@ -26,7 +26,7 @@ def grid(scene, tmp_path_factory) -> SnapshotSet:
 
 
 def relative_errors(model, snapshots: SnapshotSet) -> np.ndarray:
-    """Of contact forces above 0.5 N at states."""
+    """Relative errors of contact forces above 0.5 N at states."""
     true = snapshots.answered("contact_force")
     felt = true > 0.5
     return np.abs(model.outputs(snapshots.points())[felt, 3] - true[felt]) / true[felt]

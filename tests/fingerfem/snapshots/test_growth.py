@@ -96,7 +96,7 @@ def test_a_set_of_so_many_lines_has_the_first_of_the_sequence(scene, grown, tmp_
 
 
 def test_when_the_sequence_ends_it_says_so(grown):
-    """Of a set that has all lines, the next round has none."""
+    """The next round of a set that has all lines is empty."""
     snapshots = SnapshotSet(grown)
     count = len(snapshots.plan.lines)
     snapshots.description = replace(

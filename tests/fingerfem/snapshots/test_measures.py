@@ -113,7 +113,7 @@ def with_middles(lines: np.ndarray, order: int) -> np.ndarray:
 
 
 def lines_of(scene: Scene) -> list[np.ndarray]:
-    wanted = scene.outline.wanted(scene.mesh.cells[1], scene.is_half)
+    wanted = scene.outline.wanted(scene.mesh.cells[1], scene.is_half, scene.mesh.order)
     return [lines_along(scene.outline, scene.mesh), *scene.geometry.shape.lines(wanted)]
 
 

@@ -120,7 +120,7 @@ def test_a_section_carries_the_wrenches_on_the_plates_beyond_it_and_no_tension(p
 
 
 def near(pressed: Pressed, change: np.ndarray) -> dict[str, np.ndarray]:
-    """What is stored of the state at changed parameters, shape (p,) [N, N m]."""
+    """Stored arrays of the state at changed parameters, shape (p,) [N, N m]."""
     record, count = Recorder(pressed.finger, NodeOrder(pressed.begin())), len(pressed.tensions)
     wrenches = pressed.wrenches + change[count:].reshape(pressed.wrenches.shape)
     record.state(pressed.tensions + change[:count], None, wrenches=wrenches)

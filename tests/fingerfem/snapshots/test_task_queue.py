@@ -162,7 +162,7 @@ def test_an_unfinished_or_a_broken_set_is_not_read(scene, undisturbed, tmp_path)
 
 @pytest.mark.long
 def test_stored_derivatives_are_differences_of_states(scene, undisturbed):
-    """Of a contact state, and of a free one: by every parameter, against states solved beside it."""
+    """A contact state and a free one: by every parameter, against states solved beside it."""
     from fingerfem import FingerModel, load_scene
 
     model = FingerModel(load_scene(scene))

@@ -1,4 +1,4 @@
-"""What command lines share: strict JSON, exit codes, and one line for bad input."""
+"""Shared code of command lines: strict JSON, exit codes, and one line for bad input."""
 
 import json
 from pathlib import Path

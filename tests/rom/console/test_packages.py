@@ -1,4 +1,4 @@
-"""Where a package is missing, every command works or names the package and what has it, in one line."""
+"""Without a package, every command works or names it and its source, in one line."""
 
 from __future__ import annotations
 

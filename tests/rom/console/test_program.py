@@ -1,4 +1,4 @@
-"""What a command prints fits the encoding of its output, and messages name the files that were asked for."""
+"""Commands print what fits the encoding of their output, and messages name the files that were asked for."""
 
 from __future__ import annotations
 

@@ -30,6 +30,18 @@ def scene() -> dict[str, Any]:
     return one | {"name": "chambered rod", "tendons": tendons, "chambers": chambers}
 
 
+def two_segments(**changes) -> dict:
+    """The rod twice, with the tendon along both, and in the second segment chambers p3 and p4."""
+    finger, length = scene(), elastic_rod.LENGTH
+    finger["geometry"] |= {"segments": [length, length]}
+    finger["tendons"] = [tendon | {"segment": 2} for tendon in finger["tendons"]]
+    finger["chambers"] += [
+        chamber | {"name": f"p{k}", "x": [length + part for part in chamber["x"]]}
+        for k, chamber in enumerate(finger["chambers"], 3)
+    ]
+    return finger | changes
+
+
 def pressed(count: int, seed: int) -> np.ndarray:
     """Inputs: tension [N], pressures [Pa], wrench [N, N m], shape (5 count, 9)."""
     inputs = elastic_rod.pressed(count, seed, np.concatenate([TENDON, CENTRES]))

@@ -128,31 +128,35 @@ def test_tensions_beyond_those_of_the_thinnest_section_are_refused_or_marked(fin
     assert found.place([19.0, 19.0]).inside and not found.place([30.0, 0.0]).inside
 
 
+INPUTS = [0, 1, 2, 3, 5, 6]  # all but a moment about x
 STIFF, SHEAR, CURVED = 2e-3, 3e-3, 5.0  # at size 1: E I [N m^2], c [1/N], curvature by tension [1/(N m)]
 
 
-def timoshenko(piece: Piece) -> np.ndarray:
-    """Place y, z and half turns about y, z of a Timoshenko frustum, by a tendon's tension and f_y, f_z, m_y, m_z.
+def timoshenko(piece: Piece, axial: float) -> np.ndarray:
+    """Place y, z and half turns about y, z of a Timoshenko frustum, by a tendon and f_x, f_y, f_z, m_y, m_z.
 
-    Integrals over sections of their own size, shape (4, 5): the tendon's force along its channel shears by p M.
+    Integrals over sections of their own size, shape (4, 6). The tendon's moment M about the centre shears by p M, as
+    its force is along the channel. An axial force bends by `axial` at size 1 [1/(N m)], where the neutral axis is off
+    the centre, and does not shear.
     """
     u, weights = np.polynomial.legendre.leggauss(20)
     u, weights = piece.length * (u + 1) / 2, piece.length * weights / 2
     slope = (piece.ends[1] - piece.ends[0]) / piece.length
     size = piece.ends[0] + slope * u
-    curved = np.array([CURVED / size**3, u / (STIFF * size**4), 1 / (STIFF * size**4)])
-    shear = np.array([slope / size * CURVED * STIFF * size, np.ones_like(u), np.zeros_like(u)]) * SHEAR / size**2
+    stiff = STIFF * size**4
+    curved = np.array([(CURVED - axial) / size**3, axial / size**3, u / stiff, 1 / stiff])
+    shear = np.outer([slope * CURVED * STIFF, 0.0, 1.0, 0.0], SHEAR / size**2)
     turns, places = curved @ weights, curved @ (weights * (piece.length - u)) - shear @ weights
-    found = np.zeros((4, 5))
-    found[0, [0, 1, 4]], found[3, [0, 1, 4]] = places, -turns / 2
-    found[1, [2, 3]], found[2, [2, 3]] = places[1:] * [1, -1], turns[1:] / 2 * [1, -1]
+    found = np.zeros((4, 6))
+    found[0, [0, 1, 2, 5]], found[3, [0, 1, 2, 5]] = places, -turns / 2
+    found[1, [3, 4]], found[2, [3, 4]] = places[2:] * [1, -1], turns[2:] / 2 * [1, -1]
     return found
 
 
-def linear_law(length: float, size: float = 1.0) -> ElementLaw:
+def linear_law(length: float, size: float = 1.0, axial: float = 0.0) -> ElementLaw:
     """The prismatic element of that frustum: a law of a tension and the wrench."""
     gradient = np.zeros((6, 7))
-    gradient[np.ix_([1, 2, 4, 5], [0, 2, 3, 5, 6])] = timoshenko(Piece(INTERIOR, length, (size, size)))
+    gradient[np.ix_([1, 2, 4, 5], INPUTS)] = timoshenko(Piece(INTERIOR, length, (size, size)), axial)
     lower, upper = np.full(7, -2.0), np.full(7, 2.0)
     powers = np.vstack([np.zeros(7, int), np.eye(7, dtype=int)])
     coefficients = np.vstack([np.zeros(6), (gradient * upper).T])
@@ -165,17 +169,19 @@ def test_shear_by_bending_is_that_of_the_beam():
     assert shear_by_bending(linear_law(0.01)) == pytest.approx(2 * [SHEAR * STIFF], rel=1e-9)
 
 
-@pytest.mark.parametrize("ratio", [0.95, 0.9, 1.1])
-def test_an_element_is_its_frustum_in_first_order(ratio):
+@pytest.mark.parametrize(("ratio", "axial", "corrected"), [(0.95, 0.0, 5), (0.9, 0.0, 5), (1.1, 0.0, 5), (0.9, 2.0, 6)])
+def test_an_element_is_its_frustum_in_first_order(ratio, axial, corrected):
     piece = Piece(INTERIOR, 0.01, (ratio, 1.0))
-    element, inputs = linear_law(piece.length, piece.size).of_length(piece.length), np.eye(7)[[0, 2, 3, 5, 6]]
-    laws = element, tapered(element, piece, np.full(2, SHEAR * STIFF))
-    expected = timoshenko(piece)
+    element, inputs = linear_law(piece.length, piece.size, axial).of_length(piece.length), np.eye(7)[INPUTS]
+    laws = element, tapered(element, piece, np.full(2, SHEAR * STIFF), np.ones(1))
+    expected = timoshenko(piece, axial)
     own = expected != 0
     prismatic, found = (np.abs(one.value(inputs)[:, [1, 2, 4, 5]].T - expected)[own] for one in laws)
     scales = np.abs(expected)[own]
     assert (found < 0.5 * np.log(ratio) ** 2 * scales).all()
-    assert (prismatic > 0.1 * abs(np.log(ratio)) * scales).sum() == 5  # places by tension and moments, turns by forces
+    assert (
+        prismatic > 0.1 * abs(np.log(ratio)) * scales
+    ).sum() == corrected  # places by tension, axial force and moments; turns by forces
 
 
 def test_points_of_a_tapered_finger_are_on_its_surface(finger):

@@ -37,7 +37,7 @@ ROWS = [*(f"orientation_{axis}" for axis in "wxyz"), "shortening_F1", "shortenin
 
 
 def inner_points(model, count: int) -> np.ndarray:
-    """Where the answer is inside, half of them in contact."""
+    """Points with an answer inside, half of them in contact."""
     random, (lower, upper) = np.random.default_rng(1), model.limits
     points = lower + (upper - lower) * (0.05 + 0.9 * random.random((20 * count, len(lower))))
     found = model.evaluate(points)

@@ -92,7 +92,7 @@ def files(trained, grid_model, tmp_path_factory) -> dict[str, Path]:
 
 
 def accepts(kind: Kind, command: str) -> bool:
-    """Whether a command takes a kind; a set is the second word of `rom check`, a scene the first of two."""
+    """True if a command takes a kind; a set is the second word of `rom check`, a scene the first of two."""
     if command in ("rom check", "rom check SET/"):
         return (kind in (TRAINING_SET, HELD_OUT_SET)) == (command == "rom check SET/") and "rom check" in kind.uses
     if command in ("rom assemble", "rom assemble SCENE"):

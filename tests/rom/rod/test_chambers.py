@@ -118,7 +118,7 @@ def changed(k: int = 0, **changes) -> dict:
         (changed(size=[0.003, 0.005]), r"chambers.p1.size must be \[0.003, 0.006\] m, got \[0.003, 0.005\]"),
         (
             changed(x=[0.004, 0.047]),
-            r"chambers.p1.x, distances from the clamp and from the plate, must be \[0.002, 0.002",
+            r"chambers.p1.x, distances from the segment's clamp and plate, must be \[0.002, 0.002",
         ),
         (changed(pressure=[0.0, 6e5]), "chambers.p1.pressure must lie in 0 to 500000 Pa, where the elements were"),
         (changed(name="F1"), "tendons and chambers must have names of their own, got F1, F1, p2"),
@@ -132,13 +132,56 @@ def test_chambers_that_the_elements_do_not_have_are_refused(chambered, scene, ru
         chambered.assembled(scene)
 
 
-def test_several_segments_and_a_taper_are_refused_with_chambers(chambered):
-    geometry = one.scene()["geometry"]
-    with pytest.raises(ModelError, match=r"geometry.segments must be one of a finger with chambers, got 2"):
-        two = [tendon | {"segment": 2} for tendon in one.scene()["tendons"]]
-        chambered.assembled(one.scene() | {"geometry": geometry | {"segments": [0.05, 0.05]}, "tendons": two})
+def test_every_segment_bends_by_its_own_chambers(chambered):
+    """Without a wrench, the second plate seen from the first is that of one segment under its own loads."""
+    finger, loads = chambered.assembled(one.two_segments()), np.array([4.0, 4e5, 1e5, 0.5e5, 3e5])
+    found, half = finger.place(loads), finger.half_lengths[0]
+    for k, own in enumerate(([0, 1, 2], [0, 3, 4])):
+        alone = chambered.place(loads[own])
+        before = (np.zeros(3), np.eye(3)) if k == 0 else (found.centres[0], found.rotations[0])
+        begin = before[0] + k * half * before[1][:, 0]
+        assert found.centres[k] == pytest.approx(begin + before[1] @ alone.centres[0], abs=1e-12)
+        assert found.rotations[k] == pytest.approx(before[1] @ alone.rotations[0], abs=1e-12)
+        assert finger.growth(loads)[2 * k : 2 * k + 2] == pytest.approx(chambered.growth(loads[own]), rel=1e-9)
+    assert found.inside and finger.names == ["F1", "p1", "p2", "p3", "p4"]
+    assert finger.shortening(loads) == pytest.approx(
+        sum(chambered.shortening(loads[own]) for own in ([0, 1, 2], [0, 3, 4]))
+    )
+
+
+def test_contact_of_a_second_segment_differentiates_by_all_pressures(chambered):
+    model = TouchedSegment(rod=chambered.assembled(one.two_segments()), obstacle=plane(0.010))
+    point = np.array([1.0, 3e5, 10.0, 3e5, 10.0, 0.0])
+    out, jacobian = model.value_and_jacobian(point)
+    assert out[3] > 1e-3
+    for k, step in enumerate((1e-4, 5.0, 5.0, 5.0, 5.0)):
+        change = np.eye(6)[k] * step
+        ends = model.outputs(np.array([point - change, point + change]))
+        wanted = jacobian[:, k]
+        assert (ends[1] - ends[0]) / (2 * step) == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
+    assert jacobian[3, 1] > 0 and jacobian[3, 3] > 0
+
+
+def test_every_segment_has_the_chambers_of_the_elements(chambered):
+    scene = one.two_segments()
+    with pytest.raises(ModelError, match=r"chambers in segment 2 must be .*, each once \(2 of them\), got p3"):
+        chambered.assembled(scene | {"chambers": scene["chambers"][:3]})
+    across = scene["chambers"][0] | {"x": [0.002, 0.097]}
+    with pytest.raises(
+        ModelError, match=r"chambers.p1.x must lie in the rubber of one segment, .*, got \[0.002, 0.097"
+    ):
+        chambered.assembled(scene | {"chambers": [across]})
     with pytest.raises(ModelError, match=r"geometry.taper must be left out with chambers, got \[0.9\]"):
-        chambered.assembled(one.scene() | {"geometry": geometry | {"taper": [0.9]}})
+        chambered.assembled(one.scene() | {"geometry": one.scene()["geometry"] | {"taper": [0.9]}})
+
+
+def test_a_longer_segment_bulges_alike(chambered):
+    """Growth per length of chamber is that of the interior elements, so a face rises as high over a longer chamber."""
+    scene = one.scene()
+    scene["geometry"] |= {"segments": [0.080]}
+    scene["chambers"] = [chamber | {"x": [0.002, 0.077]} for chamber in scene["chambers"]]
+    longer = chambered.assembled(scene).segments[0].bulges
+    assert longer == pytest.approx(chambered.segments[0].bulges, rel=0.05)
 
 
 def test_what_comes_near_a_bulging_face_is_marked(chambered):
@@ -165,6 +208,8 @@ def test_chambers_have_no_weight(chambered):
     volume = 0.010**2 * (0.050 - 0.001) - 2 * one.AREA * (one.X[1] - one.X[0])
     assert weight_of(heavy).masses.sum() == pytest.approx(1000.0 * volume, rel=1e-9)
     assert heavy.place([0.0, 0.0, 0.0]).centres[0, 1] < -1e-7
+    two = chambered.assembled(one.two_segments(gravity=gravity))
+    assert weight_of(two).masses == pytest.approx(np.tile(weight_of(heavy).masses, 2), rel=1e-9)
     with pytest.raises(ModelError, match=r"gravity must be left out with chambers on one side: .* got chambers p1"):
         chambered.assembled(one.scene() | {"gravity": gravity, "chambers": one.scene()["chambers"][:1]})
 

@@ -7,16 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rom
-from rom.rod.expected_errors import FORCE, PLACE, SHORTENING, TURN, expected_errors
+from rom.rod.expected_errors import NOTHING, Added, expected_errors
 
 RATIOS = st.floats(1.0, 10.0)
 NAMES = "position", "turn", "shortening", "contact_force"
-STRAIGHT = (0.0, 0.0)
 ELEMENTS = rom.load().rod.elements
 
 
-def errors(size=1.0, longer=1.0, tapered=STRAIGHT, kinds=("clamp", "interior", "plate")):
-    return expected_errors(ELEMENTS, kinds, size, longer, tapered)
+def errors(size=1.0, longer=1.0, added=NOTHING, kinds=("clamp", "interior", "plate")):
+    return expected_errors(ELEMENTS, kinds, size, longer, added)
 
 
 def test_those_of_the_trained_finger_are_those_of_the_lines_left_out():
@@ -41,12 +40,11 @@ def test_a_shorter_finger_is_not_expected_to_be_better(longer):
     assert astuple(errors(longer=longer)) == astuple(errors())
 
 
-@given(RATIOS, RATIOS, st.floats(0, 0.02), st.floats(0, 0.01))
-def test_a_taper_adds_its_own_errors_to_any_finger(size, longer, slope, change):
-    straight, tapered = errors(size, longer), errors(size, longer, (slope, change))
-    added = [getattr(tapered, name) - getattr(straight, name) for name in NAMES]
-    expected = [PLACE * change, TURN * slope, SHORTENING * change, FORCE * slope]
-    assert added == pytest.approx(expected, abs=1e-12)
-    assert tapered.surface - straight.surface == pytest.approx(PLACE * change, abs=1e-12)
-    floors = tapered.floors.place - straight.floors.place, tapered.floors.force - straight.floors.force
-    assert floors == pytest.approx((PLACE * change, FORCE * slope), abs=1e-12)
+@given(RATIOS, RATIOS, st.builds(Added, *[st.floats(0, 0.02)] * 4))
+def test_changes_along_the_axis_add_their_own_errors_to_any_finger(size, longer, added):
+    even, changing = errors(size, longer), errors(size, longer, added)
+    for name, value in added._asdict().items():
+        assert getattr(changing, name) - getattr(even, name) == pytest.approx(value, abs=1e-12)
+    assert changing.surface - even.surface == pytest.approx(added.position, abs=1e-12)
+    floors = changing.floors.place - even.floors.place, changing.floors.force - even.floors.force
+    assert floors == pytest.approx((added.position, added.contact_force), abs=1e-12)

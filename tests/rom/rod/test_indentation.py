@@ -1,10 +1,11 @@
-"""How deep rubber is pressed in (rom/native/shapes/indentation.c): Hertz's contact, and no dependence on the slices."""
+"""Indentation of rubber (rom/native/shapes/indentation.c): Hertz's contact, and no dependence on the slices."""
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 from rom import AmongObjects, Sphere, TouchedSegment
-from tests.rom.rod.outlined import HALF, rod_of
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +20,7 @@ def squeezed(finger, radius, depth, aside=0.0):
         Sphere(centre=(middle, way * (half + radius), 0), direction=(0, way, 0), distances=(-0.01, 0.1), radius=radius)
         for way in (1.0, -1.0)
     ]
-    answer = AmongObjects(rod=finger, obstacles=balls).evaluate([0.0, 0.0, -depth, -depth])
+    answer = AmongObjects(rod=finger, obstacles=balls).evaluate([0.0] * finger.elements.tensions + [-depth, -depth])
     assert answer.inside
     return float(answer.contact_force[0])
 
@@ -35,15 +36,34 @@ def test_a_ball_presses_as_in_contact_of_hertz(finger, radius):
         assert squeezed(finger, radius, depth) == pytest.approx(hertz, rel=0.2)
 
 
-@pytest.mark.parametrize("radius", [0.003, 0.005])
+def elliptic(ratio):
+    """Force of a contact of Hertz with a ratio of curvatures, over that without the larger one (Johnson 1985, 4.2)."""
+
+    def differs(m):
+        return (ellipe(m) / (1 - m) - ellipk(m)) / (ellipk(m) - ellipe(m)) - ratio
+
+    m = brentq(differs, 1e-9, 1 - 1e-12)
+    # Half axes 1 / sqrt(1 - m) and 1, largest pressure 1: curvature along the longer one, depth and force over E*.
+    curvature, depth, force = 2 * (1 - m) / m * (ellipk(m) - ellipe(m)), ellipk(m), 2 / 3 * np.pi / np.sqrt(1 - m)
+    return force / (4 / 3 * curvature**-0.5 * depth**1.5)
+
+
+@pytest.mark.parametrize("radius", [0.4, 1.0, 2.0, 4.0])
 def test_a_ball_presses_on_a_circle_as_in_contact_of_hertz(radius):
-    """With the mean of the curvatures across and along the finger, the square root of their product."""
-    circle = rod_of("circle")
-    effective = np.sqrt(radius * radius * HALF / (radius + HALF))
-    young, poisson = circle.segments[0].young_modulus, circle.segments[0].poisson
-    for depth in (5e-5, 1e-4, 2e-4):
-        hertz = 4 / 3 * young / (1 - poisson**2) * np.sqrt(effective) * depth**1.5
-        assert squeezed(circle, radius, depth) == pytest.approx(hertz, rel=0.2)
+    """Both round, of elliptic contact area; the radius is over the finger's. Deeper, the finger is no half space."""
+    circle = TouchedSegment.load("round").rod
+    young, poisson, half = circle.segments[0].young_modulus, circle.segments[0].poisson, circle.half_lengths[1]
+    for depth in (0.005 * half, 0.01 * half):
+        flat = 4 / 3 * young / (1 - poisson**2) * np.sqrt(radius * half) * depth**1.5
+        assert squeezed(circle, radius * half, depth) == pytest.approx(elliptic(1 + radius) * flat, rel=0.12)
+
+
+def test_a_ball_presses_on_nearly_incompressible_rubber_as_in_contact_of_hertz():
+    square = TouchedSegment.load("square").rod
+    young, poisson, half = square.segments[0].young_modulus, square.segments[0].poisson, square.half_lengths[1]
+    for radius, depth in ((0.4, 0.01), (1.0, 0.01), (1.0, 0.02)):
+        hertz = 4 / 3 * young / (1 - poisson**2) * np.sqrt(radius * half) * (depth * half) ** 1.5
+        assert poisson > 0.49 and squeezed(square, radius * half, depth * half) == pytest.approx(hertz, rel=0.15)
 
 
 def test_the_force_does_not_depend_on_where_slices_begin(finger):

@@ -1,4 +1,4 @@
-"""What a finger reports besides its answer: the tip's orientation and the tendons' shortenings, with derivatives."""
+"""Report of a finger besides its answer: the tip's orientation and the tendons' shortenings, with derivatives."""
 
 import numpy as np
 import pytest

@@ -37,7 +37,7 @@ def placed(elements, tensions, wrenches):
 
 
 def same(elements, tensions, wrenches) -> None:
-    """What is compiled is what NumPy has."""
+    """Asserts that compiled poses, motions and marks are NumPy's."""
     own = compiled(elements)
     for pulled, wrench, (centre, rotation, motion, inside) in zip(
         tensions, wrenches, placed(elements, tensions, wrenches), strict=True

@@ -32,7 +32,7 @@ def points(shipped) -> np.ndarray:
 
 
 def test_the_rubber_s_gap_is_the_elastic_rod_s(finger):
-    """Of planes and balls under wrenches on the plate; at the sections between clamp and plate."""
+    """Planes and balls, under wrenches on the plate; at the sections between clamp and plate."""
     random, inputs = np.random.default_rng(4), 0.5 * elastic_rod.pressed(12, 7)
     rubber = 0.050 - PLATE
     at = np.linspace(0.0, rubber, finger.segments[0].struct.places)[:-1]
@@ -80,7 +80,7 @@ def test_its_derivative_is_that_of_the_answers(shipped, points):
 
 
 def test_c_alone_has_the_same_touch_distance_and_derivative(shipped, points):
-    """What an FMU and the page in a browser compute."""
+    """An FMU and the page in a browser compute this."""
     own, functions = struct(shipped), LIBRARY.functions
     memory = np.empty(functions.fingerfem_model_memory(own))
     expected = shipped.answers(points[:400])

@@ -70,7 +70,7 @@ def off(model, point):
 
 
 def test_derivatives_are_those_of_the_answers(rod):
-    """Of plates to what differences resolve."""
+    """Plates agree to the resolution of differences."""
     above = Sphere(centre=(0.0500, 0.010, 0.001), direction=(0.0, 1.0, 0.0), radius=0.004, distances=RANGE)
     below = Sphere(centre=(0.0510, -0.010, -0.001), direction=(0.1, -1.0, 0.2), radius=0.004, distances=RANGE)
     model, random, compared = AmongObjects(rod=rod, obstacles=(above, below)), np.random.default_rng(4), 0
@@ -85,7 +85,7 @@ def test_derivatives_are_those_of_the_answers(rod):
 
 
 def test_derivatives_of_rubber_are_those_of_the_answers_but_for_its_shape(pressed):
-    """What a slice's shape under load does is not among them."""
+    """The effect of a slice's shape under load is not among them."""
     assert np.median(np.concatenate([off(model, point) for model, point in pressed])) < 0.02
 
 

@@ -81,7 +81,7 @@ def test_corners_that_press_on_a_plane_lie_on_it_and_no_other_is_behind_it(finge
 def separation(one: np.ndarray, other: np.ndarray) -> float:
     """Distance of two convex hulls, corners of shapes (n, 3) and (m, 3): of the hull of all differences from 0.
 
-    Of all weights t w with sum(w) = 1, the ones nearest to |t P w|^2 + (t - 1)^2 = 0 have the least |P w|.
+    Among all weights t w with sum(w) = 1, the ones nearest to |t P w|^2 + (t - 1)^2 = 0 have the least |P w|.
     (nnls of SciPy 1.15 stops too early here.)
     """
     differences = (one[:, None] - other).reshape(-1, 3).T

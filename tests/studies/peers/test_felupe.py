@@ -46,7 +46,7 @@ def test_weight_that_is_off_by_a_thousandth_is_seen(tmp_path):
 
 
 def test_a_modulus_that_is_off_by_a_millionth_is_seen(tmp_path):
-    """What is compared is the physics, not a number that both codes are given."""
+    """The comparison is of the physics, not of a number that both codes are given."""
     wrong = {"law": NEO_HOOKEAN | {"C1": NEO_HOOKEAN["C1"] * (1 + 1e-6)}}
     found = compare(scene_of("one_segment", NEO_HOOKEAN, MESH), (FREE,), tmp_path, wrong)
     assert 1e-8 < found["displacement"] < 1e-5

@@ -7,7 +7,7 @@ from studies.peers.question import CONTACT, FREE, Answers, finger
 
 
 def answers(scale: float, **instead) -> dict:
-    """What someone answers who is off by a factor everywhere."""
+    """Answers that are off by a factor everywhere."""
     given = {
         "free_tips": [[-0.002 * scale, 0.010 * scale, 0.0] for _ in FREE],
         "contact_tips": [[-0.001 * scale, 0.005 * scale, 0.0] for _ in CONTACT],

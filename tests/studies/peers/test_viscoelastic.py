@@ -37,7 +37,7 @@ def felupe_s(gradients: np.ndarray, folder: Path) -> np.ndarray:
 
 
 def ours(gradients: np.ndarray) -> np.ndarray:
-    """Of a finger that is deformed alike everywhere."""
+    """Stresses of a finger that is deformed alike everywhere."""
     table = {
         "name": "block",
         "geometry": {"side": 0.01, "segments": [0.05], "plate": 0.001, "channel": 0.01 / 3},

@@ -72,7 +72,7 @@ static int is_output(uint32_t reference, uint32_t mask)
     return row < FMU_MOST_OUTPUTS && mask >> row & 1;
 }
 
-/* Where a number is; NULL if it is no variable. */
+/* Address of a variable's number; NULL if it is no variable. */
 static double *number(fmu_instance *fmu, uint32_t reference)
 {
     if (reference == FMU_TIME) return fmu_shows_time ? &fmu->state.time : NULL;

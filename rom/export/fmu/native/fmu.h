@@ -19,7 +19,7 @@ enum { FMU_MOST_INPUTS = 10, FMU_MOST_OUTPUTS = 24 };
 /* Value references: numbers from these on; whether the answer is to be relied on; and the status that says why not. */
 enum { FMU_TIME = 0, FMU_INPUTS = 1, FMU_OUTPUTS = 101, FMU_FLAG = 201, FMU_STATUS = 202 };
 
-/* What functions of both versions return. */
+/* Status that functions of both versions return. */
 enum { FMU_OK = 0, FMU_WARNING = 1, FMU_DISCARD = 2, FMU_ERROR = 3 };
 
 enum { FMU_INSTANTIATED, FMU_INITIALISING, FMU_STEPPING, FMU_TERMINATED };

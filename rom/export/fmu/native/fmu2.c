@@ -132,7 +132,7 @@ FMU_EXPORT int fmi2GetBoolean(void *c, const uint32_t references[], size_t count
     return said(c, status, "there is no such Boolean");
 }
 
-/* Of other types there are none. */
+/* Variables of other types do not exist. */
 #define NONE(NAME, TYPE)                                                                     \
     FMU_EXPORT int NAME(void *c, const uint32_t references[], size_t count, TYPE values[])   \
     {                                                                                        \

@@ -43,7 +43,7 @@ def test_points_press_as_the_compiled_forms_do(table, shape):
 
 @pytest.mark.parametrize("shape", ["plane", "sphere", pytest.param("box", marks=pytest.mark.long)])
 def test_the_tangent_is_the_derivative_of_the_forces(table, shape):
-    """Of points of which some stick, and some slide; on a ball the normals turn as well."""
+    """Some points stick, and some slide; on a ball the normals turn as well."""
     problem, points = pressed(table, shape)
     u = problem.fields.u.x.array
     random = np.random.default_rng(2)

@@ -39,7 +39,7 @@ def placed(problem: Problem, distance: float) -> Problem:
 
 
 def test_a_plane_in_the_undeformed_face_presses_by_its_stiffness_its_depth_and_the_area(plane):
-    """Of a penalty k: N = k depth A, energy = k depth^2 A / 2, and the pressure's work is twice that.
+    """A penalty k gives N = k depth A, energy = k depth^2 A / 2, and twice that as the pressure's work.
 
     Points of the rule are nodes: those on the face's edges count with half a cell of the faces beside it, too.
     """

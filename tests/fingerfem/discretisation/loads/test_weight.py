@@ -76,7 +76,7 @@ def test_a_finger_that_bends_down_bends_sideways_by_the_same_when_gravity_turns(
 
 @pytest.mark.long
 def test_the_softest_rubber_sags_until_its_tip_hangs(table):
-    """Of 5 kPa, 100 mm long."""
+    """Modulus 5 kPa, length 100 mm."""
     table["geometry"] = {"side": 0.02, "segments": [0.1], "plate": 0.002}
     table["material"] = {"law": "yeoh", "C1": 5e3, "C2": 1e2, "D1": 4e-6}
     table["tendons"] = [one | {"offset": [2 * value for value in one["offset"]]} for one in table["tendons"]]

@@ -37,7 +37,7 @@ def rest(problem):
 
 
 def ways(problem) -> np.ndarray:
-    """How long a channel is up to every section of the mesh; it ends before its plate."""
+    """Length of a channel up to every section of the mesh [m]; it ends before its plate."""
     sections = np.unique(np.round(problem.space.tabulate_dof_coordinates()[:, 0], 12))
     return np.minimum(sections, LENGTH - PLATE)
 
@@ -64,7 +64,7 @@ def test_a_rigid_motion_shortens_nothing_and_the_problem_stays_where_it_was(prob
 
 
 def test_a_small_bend_shortens_a_tendon_by_its_offset_times_the_turn(problem, lengths, rest):
-    """Of a curvature c the shortening up to x is c y x, with the offset y to the inner side."""
+    """Under a curvature c the shortening up to x is c y x, with the offset y to the inner side."""
     curvature = 0.02
     x, y = rest[:, 0], rest[:, 1]
     bent = np.column_stack([-curvature * x * y, curvature * x**2 / 2, 0 * x])

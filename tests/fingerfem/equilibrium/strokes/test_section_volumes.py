@@ -88,7 +88,7 @@ def test_derivatives_are_differences_of_states(finger, numbering, free):
 
 
 def test_the_volume_between_two_sections_does_not_change_with_a_rigid_motion(finger, numbering):
-    """Of the part of the finger beyond a section, which is then an element's own."""
+    """The motion is of the part beyond a section: the volume is then an element's own."""
     problem, nodes = finger.problem, numbering.nodes
     draw = np.random.default_rng(0).uniform(-1, 1, nodes.shape) * 2e-4
     turn, sections = Rotation.from_rotvec([0.3, -0.5, 0.8]), cross_sections(finger.scene, nodes)

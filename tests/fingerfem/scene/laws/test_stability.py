@@ -17,7 +17,7 @@ def unchecked(C10: float, C01: float, D1: float) -> MooneyRivlin:
 
 
 def closed_form(ratio: float, mode: str) -> float:
-    """Where incompressible rubber of C01 = ratio C10 loses stability, by a_1, a_2, a_3 on a fine grid of stretches."""
+    """Stretch at which incompressible rubber of C01 = ratio C10 loses stability, by a_1, a_2, a_3 on a fine grid."""
     stretches = np.exp(np.linspace(-0.6, 0.6, 1_200_001))
     exponents = {"uniaxial": (1.0, -0.5, -0.5), "equibiaxial": (1.0, 1.0, -2.0), "planar": (1.0, 0.0, -1.0)}[mode]
     a = [stretches ** (2 * k) + ratio * stretches ** (-2 * k) for k in exponents]
@@ -97,7 +97,7 @@ def test_a_law_is_accepted_exactly_where_the_closed_form_is_stable_within_the_ra
 
 
 def closed_form_of_yeoh(ratio: float) -> float:
-    """Where incompressible uniaxial tension of C2 = ratio C1 reaches its largest Kirchhoff stress, on a fine grid."""
+    """Stretch of the largest Kirchhoff stress in incompressible uniaxial tension of C2 = ratio C1, on a fine grid."""
     stretch = np.exp(np.linspace(0, 1, 1_000_001))
     excess = stretch**2 + 2 / stretch - 3
     tau = 2 * (stretch**2 - 1 / stretch) * (1 + 2 * ratio * excess)

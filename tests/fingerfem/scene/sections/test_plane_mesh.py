@@ -16,9 +16,9 @@ FOUR = [(0.007, 0.0), (0.0, 0.007), (-0.007, 0.0), (0.0, -0.007)]
 ACROSS = (10, 20, 40)
 
 
-def wanted(offsets, across: int, width: float = WIDTH, half: bool = False) -> Wanted:
+def wanted(offsets, across: int, width: float = WIDTH, half: bool = False, curved: bool = False) -> Wanted:
     columns = [Column(name=f"F{k}", path="channel", offset=np.array(one), tag=k) for k, one in enumerate(offsets)]
-    return Wanted(columns=columns, width=width, across=across, half=half)
+    return Wanted(columns=columns, width=width, across=across, half=half, curved=curved)
 
 
 CIRCLE, RING = Circle(shape="circle", diameter=DIAMETER), Ring(shape="ring", diameter=DIAMETER, bore=BORE)
@@ -53,6 +53,38 @@ def test_the_border_lies_on_circles_that_are_larger_with_order_two(section):
         assert not len(inner) or inner.mean() / (BORE / 2) - 1 == pytest.approx(grown[-1], rel=1e-9)
     assert 0 < grown[0] < 0.02
     assert np.log(grown[0] / grown[-1]) / np.log(edges[-1] / edges[0]) == pytest.approx(2, abs=0.3)
+
+
+@pytest.mark.parametrize("half", [False, True])
+@pytest.mark.parametrize("section", [CIRCLE, RING], ids=["circle", "ring"])
+def test_a_circle_of_order_two_has_its_nodes_on_the_circle_and_an_area_that_converges_with_order_four(section, half):
+    offsets, errors, edges = [(0.007, 0.0), (-0.007, 0.0)], [], []
+    for across in ACROSS:
+        mesh = section.mesh(wanted(offsets, across, half=half, curved=True))
+        nodes, cells = mesh.of_order_2()
+        radii = np.hypot(*nodes.T)
+        outer = radii > (1 - 1e-9) * DIAMETER / 2
+        assert radii.max() == pytest.approx(DIAMETER / 2, rel=1e-12)
+        edges.append(int(outer.sum()))
+        errors.append(abs(mesh.area / section.area - 1))
+        assert mesh.column_centroid(0)[0] == pytest.approx(0.007, abs=1e-12)
+        assert len(np.unique(cells)) == len(nodes)
+        if section is RING:
+            assert radii.min() == pytest.approx(BORE / 2, rel=1e-12)
+    assert errors[0] < 5e-5
+    assert np.log(errors[0] / errors[-1]) / np.log(edges[-1] / edges[0]) == pytest.approx(4, abs=0.6)
+
+
+def test_a_channel_at_the_border_has_the_area_and_centroid_of_its_arc():
+    """Between two radial lines at the angle a and two circles."""
+    mesh = CIRCLE.mesh(wanted([(0.0085, 0.0)], 40, curved=True))
+    points = mesh.points[np.unique(mesh.quads[mesh.tags == 0])]
+    radii, angles = np.hypot(*points.T), np.arctan2(*points.T[::-1])
+    inner, outer, angle = radii.min(), radii.max(), angles.max()
+    chord = np.sin(np.ptp(np.unique(angles.round(9))[:2])) / np.ptp(np.unique(angles.round(9))[:2])
+    area = angle * (outer**2 - chord * inner**2)
+    assert outer == pytest.approx(DIAMETER / 2, rel=1e-12)
+    assert mesh.column_area(0) == pytest.approx(area, rel=1e-6)
 
 
 @pytest.mark.parametrize("across", [4, 5, 8, 13])

@@ -1,4 +1,4 @@
-"""What lines are solved with: where they begin, and what is taken of other sets."""
+"""Setting of lines: their first states, and those taken from other sets."""
 
 from types import SimpleNamespace
 

@@ -46,11 +46,25 @@ def test_means_are_those_of_the_polygons_between_the_nodes(order, hollow):
     area = cross.sum() / 2
     assert found.weights.sum() == pytest.approx(1, abs=1e-15)
     centroid = (cross[..., None] * (here + after)).sum(axis=(0, 1)) / 6 / area
-    assert found.weights @ nodes == pytest.approx(centroid, abs=1e-13)
+    assert found.weights @ nodes == pytest.approx(centroid, abs=1e-12)  # to which the nodes are rounded
     if order == 2:  # a square is interpolated by itself on quadrilaterals with straight sides
         (y, _), (yn, _) = np.moveaxis(here, -1, 0), np.moveaxis(after, -1, 0)
         second = (cross * (y**2 + y * yn + yn**2)).sum() / 12 / area
         assert found.weights @ nodes[:, 0] ** 2 == pytest.approx(second, rel=1e-9)
+
+
+def test_sides_of_order_two_are_curved_where_their_nodes_are():
+    """Three sides of a square are parabolas."""
+    s, t = np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0])
+    square = np.column_stack([s.ravel(), t.ravel()])
+    nodes = square.copy()
+    nodes[[1, 5, 7]] *= 1.3
+    nodes[4] += (nodes[[1, 5, 7]] - square[[1, 5, 7]]).sum(axis=0) / 2
+    corners = square[[0, 2, 6, 8]]
+    found = plane_nodes(nodes, corners, np.array([[0, 1, 2, 3]]), np.ones(2), False)
+    segment = 2 / 3 * 2 * 0.3  # of a parabola, with its centroid at 2/5 of its height
+    assert found.weights @ nodes[:, 0] == pytest.approx(segment * 1.12 / (4 + 3 * segment), rel=1e-12)
+    assert found.weights @ nodes[:, 1] == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize("hollow", [False, True])

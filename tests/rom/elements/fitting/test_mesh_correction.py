@@ -7,6 +7,7 @@ import pytest
 
 from rom.elements.fitting import training
 from rom.elements.fitting.calibration import COVERED, conformal
+from rom.elements.fitting.mesh_correction import Differences
 from rom.elements.samples import section_states
 from rom.elements.samples.section_states import Bodies, SectionStates
 from rom.rod.rod import Rod
@@ -44,6 +45,26 @@ def test_states_of_a_finer_mesh_are_predicted_that_no_element_has_seen(finger, c
         for one in (finger, corrected)
     )
     assert np.median(after) < 0.1 * np.median(before) and after.max() < 0.3 * before.max()
+
+
+@pytest.mark.parametrize("left_out", [[], [1]])
+def test_a_share_of_a_law_is_found_from_a_few_samples_and_holds_where_there_are_none(finger, left_out):
+    """Two of them near the axes' middle, and the law's value at rest is no part of it."""
+    law, random = finger.elements.laws["clamp"], np.random.default_rng(4)
+    own, middle = law.polynomial, (law.polynomial.lower + law.polynomial.upper) / 2
+    points = middle + 0.1 * random.uniform(-1, 1, (4, len(middle))) * (own.upper - own.lower)
+    at_rest = own.value(np.zeros((1, len(middle))))
+    shares = np.linspace(-0.02, 0.03, at_rest.size)
+    values, gradient = own.value_and_gradient(points)
+    equations = Differences(law, own.powers[own.powers.sum(axis=1) <= 1], 2)
+    equations.prior[:] = 1.0
+    equations.add(points, shares * (values - at_rest), shares[:, None] * gradient, np.array([0, 1, 0, 1]))
+    everywhere = own.lower + random.uniform(0, 1, (20, len(middle))) * (own.upper - own.lower)
+    found = equations.fit(np.arange(len(equations.powers)), left_out).value(everywhere)
+    scale = np.abs(own.value(everywhere)).max(axis=0)
+    assert not law.has_lengths
+    off = np.abs(found - shares * (own.value(everywhere) - at_rest)).max(axis=0)
+    assert off == pytest.approx(0, abs=1e-9 * scale.max())
 
 
 def test_the_correction_is_part_of_the_estimated_error(finger, corrected):

@@ -58,6 +58,13 @@ def test_a_finger_of_too_few_lines_is_refused():
         training.prepare(few)
 
 
+def test_elements_are_not_trained_where_the_material_changes_along_the_axis(rod_states):
+    part = {"name": "stiff", "region": "section", "x": [0.02, 0.03], "material": rod_states.scene["material"]}
+    states = replace(rod_states, scene=rod_states.scene | {"materials": [part]})
+    with pytest.raises(SnapshotError, match=r"materials.stiff.x must be left out to train elements: .*, got \[0.02"):
+        training.prepare(states)
+
+
 def test_left_out_predictions_are_those_of_a_training_without_these_lines(rod_states, prepared):
     """The normal equations without a fold are those of the other folds and their images alone."""
     clamp = prepared.kinds["clamp"]

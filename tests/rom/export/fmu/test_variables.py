@@ -22,7 +22,7 @@ def model():
 
 
 def table_like(tendons: int, has_obstacle: bool = True, has_pad: bool = False):
-    """What an interface reads of a separated model."""
+    """Attributes that an interface reads of a separated model."""
     parameters = [Parameter(f"F{k + 1}", "N", 1.0, 9.0) for k in range(tendons)]
     parameters += [Parameter("d", "m", 0.001, 0.03)] if has_obstacle else []
     return SimpleNamespace(

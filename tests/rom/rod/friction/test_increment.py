@@ -23,7 +23,7 @@ def loads(d: float, moved=(0.0, 0.0, 0.0)) -> Loads:
 
 
 def led(model, state: Resting, friction: float, *ways: Loads) -> Resting:
-    """Where a way of small increments leads."""
+    """State after a path of small increments."""
     for one in ways:
         state = advance(model, state, one, friction)
         assert state is not None

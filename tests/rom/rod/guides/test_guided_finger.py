@@ -22,7 +22,7 @@ def model() -> TouchedSegment:
 
 def bends(finger: GuidedFinger) -> np.ndarray:
     """Angles between the normals of the sections that bound each element, from the plate to the clamp [rad]."""
-    chain, arrays = finger._touching.chain, finger.arrays
+    chain, arrays = finger.touching.chain, finger.arrays
     ((_, rotations, _),) = reports.elements(chain, arrays.motors, np.zeros((1, 6)))
     normals = np.concatenate([rotations[:, :, 0], [[1.0, 0.0, 0.0]]])
     return np.arccos(np.clip(np.sum(normals[1:] * normals[:-1], axis=1), -1, 1))

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh, null_space
 
 import rom
 from rom.files.checked_file import ModelError
+from rom.rod.compiled.touched import touches
 from rom.rod.motion.lumps import lumps_of
 from rom.rod.motion.moving_finger import MovingFinger
 
@@ -46,6 +48,54 @@ def test_frequencies_need_numbers_of_all_tendons(finger):
     with pytest.raises(ModelError, match="in that order"):
         moving(finger).frequencies([1.0])
     assert (np.diff(moving(finger).frequencies([60.0, 40.0], 6)) > 0).all()
+
+
+def test_tensions_alone_have_the_frequencies_without_objects(finger):
+    one = moving(finger)
+    assert np.array_equal(one.frequencies([60.0, 40.0], 6), one.frequencies([60.0, 40.0, np.inf], 6))
+    assert one.frequencies([60.0, 40.0, AWAY], 6) == pytest.approx(one.frequencies([60.0, 40.0], 6), rel=1e-9)
+
+
+def test_frequencies_at_first_touch_are_those_of_a_finger_held_at_its_touching_points(finger):
+    reach = float(finger.evaluate([20.0, 0.0, np.inf]).touch_distance)
+    point, one, plates = [20.0, 0.0, reach - 1e-6], moving(finger), finger.rod.place([20.0, 0.0])
+    free = touches(finger.touching, np.array([[20.0, 0.0, np.inf]])).loads[0]
+    mass, compliance = one._stepper.linearised(np.array([20.0, 0.0, np.inf]), free)
+    contacts = finger.contact_forces(point)
+    rows = np.zeros((len(contacts), len(mass)))
+    assert len(contacts) > 0
+    for row, contact in zip(rows, contacts, strict=True):  # velocities of corners along the normal
+        arm = (contact.place - plates.centres[-1]) @ plates.rotations[-1]
+        normal = contact.normal @ plates.rotations[-1]
+        row[-6:] = *normal, *np.cross(arm, normal)
+    ways = null_space(rows)
+    stiffness = np.linalg.inv((compliance + compliance.T) / 2)
+    squares = eigh(ways.T @ stiffness @ ways, ways.T @ mass @ ways, eigvals_only=True)
+    assert one.frequencies(point, 6) == pytest.approx(np.sqrt(squares[:6]) / (2 * np.pi), rel=3e-3)
+
+
+def test_frequencies_about_what_has_no_equilibrium_in_the_domain_are_refused(finger):
+    for point in ([150.0, 0.0], [10.0, 0.0, -0.02]):
+        with pytest.raises(ModelError, match="parameters must have a stable equilibrium in the domain"):
+            moving(finger).frequencies(point)
+    sections = len(moving(finger).lumps.masses)
+    with pytest.raises(ModelError, match=f"count must be from 1 to {6 * sections}, got {6 * sections + 1}"):
+        moving(finger).frequencies([0.0, 0.0], 6 * sections + 1)
+
+
+@pytest.mark.parametrize(("kicked", "axis", "number"), [([52.0, 0.0], 1, 1), ([50.0, 2.0], 2, 0)])
+def test_in_contact_a_small_vibration_has_the_frequency_of_compliance_and_mass(finger, kicked, axis, number):
+    point, length = [50.0, 0.0, 0.01], 5e-5
+    one = moving(finger, point)
+    wanted = one.frequencies(point)[number]
+    for k in range(1, 101):  # a pulse of 5 ms
+        one.step(point + np.sin(np.pi * k / 100) ** 2 * np.subtract([*kicked, 0.01], point), length)
+    states = [one.step(point, length) for _ in range(2000)]
+    assert all(state.contact_forces[0] > 0 for state in states)
+    tips, times = np.array([state.tip[axis] for state in states]), length * np.arange(2000)
+    tried = wanted * np.linspace(0.95, 1.05, 201)
+    spectrum = np.abs(np.exp(-2j * np.pi * np.outer(tried, times)) @ (np.hanning(2000) * (tips - tips.mean())))
+    assert tried[np.argmax(spectrum)] == pytest.approx(wanted, rel=0.01)
 
 
 def test_a_small_vibration_has_the_frequency_of_compliance_and_mass(finger):

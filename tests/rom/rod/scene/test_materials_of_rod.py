@@ -52,11 +52,8 @@ def test_all_materials_are_scaled_together():
     ("changes", "rule"),
     [
         ({"materials": [CORE | {"x": [0.01, 0.05]}]}, r"materials.core.x must be left out .*, got \[0.01, 0.05\]"),
-        (
-            {"geometry": elastic_rod.scene()["geometry"] | {"taper": [0.8]}},
-            "geometry.taper must be left out with several",
-        ),
-        ({"materials": [CORE | {"x": [0.0, np.nan]}]}, "materials.core.x must be left out"),
+        ({"materials": [CORE | {"x": [0.0, np.nan]}]}, r"materials.core.x must be \[from, to\] with from < to"),
+        ({"materials": [CORE | {"x": [0.02, 0.01]}]}, r"materials.core.x must be \[from, to\] with from < to"),
         ({"materials": [CORE, CORE]}, r"materials must differ in their names, got \['core', 'core'\]"),
         ({"materials": [CORE | {"density": -5.0}]}, "materials.core.density must be above 0 and at most 30000"),
         ({"materials": [CORE | {"density": np.nan}]}, "materials.core.density must be above 0"),
