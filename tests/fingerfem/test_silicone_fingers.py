@@ -13,8 +13,8 @@ from fingerfem.scene.scene import Scene
 SCENES = Path(__file__).resolve().parents[2] / "scenes" / "silicone"
 # Largest errors of the free tip over its displacement, of contact forces, and of each over its estimate [-]. Two states
 # have at most 0.04 % of the tip, an eighth of the estimates. At 9 N on one tendon it is 0.36 and 0.41 %, up to 1.7
-# times them. Forces of the square: at most 1.7 %. The mesh of a circle has sides, whose corners stand out by 57 um. So
-# forces of the circle differ by up to 2.5 %, more than their estimates, in which this is not.
+# times them: elements made before corrections were shares of laws. Forces of the square: at most 1.7 %, of the circle
+# 0.16 % in the first state, a quarter of the estimate. Its other two were not measured on curved cells.
 LIMITS = {"round": (5e-3, 0.03, 2.0, np.inf), "square": (5e-3, 2e-2, 1.5, 1.5)}
 TENSIONS = [[6.6, 2.8, 1.4, 7.9], [8.5, 5.9, 3.1, 3.2], [9.0, 1.0, 0.0, 0.0]]  # [N]
 DEPTH = 0.85  # of the way to the plane that touches [-]
