@@ -338,8 +338,8 @@ typedef struct {
     double radius; /* spectral radius of the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them */
 } fingerfem_inertia;
 
-/* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity and acceleration of the centre in
- * space [m/s, m/s^2], with those of the turn in its own frame [rad/s, rad/s^2] behind each; and the method's mean acceleration. */
+/* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity of the centre in
+ * space [m/s], with that of the turn in its own frame [rad/s] behind it; likewise the wrench of elements on it [N, N m]; and the method's mean acceleration. */
 enum { FINGERFEM_MOVING = 30 };
 
 /* A base that moves, seen in its own axes: weight less the acceleration of the clamp [m/s^2], the angular velocity and its rate. */
@@ -347,17 +347,21 @@ enum { FINGERFEM_BASE = 9 };
 
 enum { FINGERFEM_MOST_BRANCHES = 8 };
 
+/* Contacts that press as a step of time ends, with which the next one begins: of which plate or slice of rubber, by which name and with which object;
+ * forces [N]. */
+typedef struct {
+    int32_t count, parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], objects[FINGERFEM_MOST_CONTACTS], unused; /* doubles follow */
+    double forces[FINGERFEM_MOST_CONTACTS];
+} fingerfem_pressed;
+
 /* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), and the base's motion, (FINGERFEM_BASE), or NULL
  * if it rests, at the step's end: `moving` is where it begins and what it ends with, both seen from the base, as are the loads on all bodies,
- * contacts' and inertia's, and, with branches, what relaxes of all loads, (1 + branches, 6 elements + tensions) [N, N m]. Takes the force of every object, (count) [N], along its
- * direction, the kinetic energy [J], and the contacts that press unless NULL. Returns the number of evaluations of the map, negative without an answer: then
- * `moving` and loads stay; `inside`, (2), is as that of `fingerfem_touch`, and what presses: of the last step, with which the solve
- * begins, and then of this one. After a step in which anything pressed, the radius is 0. */
-enum { FINGERFEM_NOTHING_PRESSES, FINGERFEM_PLATES_PRESS, FINGERFEM_RUBBER_PRESSES };
-
+ * contacts' and inertia's, what presses, and, with branches, what relaxes of all loads, (1 + branches, 6 elements + tensions) [N, N m]. Takes the mean
+ * force of every object, (count) [N], along its direction, and the kinetic energy [J]. Returns the number of evaluations of the map, negative without an answer: then
+ * `moving`, loads and what presses stay; `inside` is as that of `fingerfem_touch`. */
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
-                   int32_t *inside, fingerfem_pressing *pressing);
+                   int32_t *inside, fingerfem_pressed *pressed);
 
 /* Mass matrix, and motions by wrenches, of all bodies in their own frames, (6 bodies, 6 bodies), from the clamp to the tip, about the
  * equilibrium at a point, (tensions + count), of which the loads are those of `fingerfem_touch`; contacts that press stay closed. Returns 0

@@ -33,11 +33,18 @@ typedef struct {
     double wrenches[SLICE_ENDS][W];
 } contact_arms;
 
+/* What a force f at a contact puts on its bodies over a step of time, see acting.c: slope f + fixed, (slope, fixed) = (1, 0) at rest [-, N], by
+ * wrenches that are means of those at both ends: a share of those at its begin, of which forces are `begun` [-]. */
+typedef struct {
+    double wrenches[SLICE_ENDS][W], begun[SLICE_ENDS][3], share, slope, fixed;
+} contact_acting;
+
 /* Bodies somewhere, and the contacts there. Slices lie after all plates in their numbers. */
 typedef struct {
     chain_state chain;
     objects_contacts contacts;
     contact_arms arms[FINGERFEM_MOST_CONTACTS];
+    contact_acting acting[FINGERFEM_MOST_CONTACTS];
     double d;                             /* of the objects, see contact_distance [m] */
     int slices;
     rubber_slice slice[FINGERFEM_MOST_CONTACTS];
@@ -51,8 +58,17 @@ typedef struct {
     double pressed[CHAIN_WRENCH]; /* wrenches minus the inertial ones: those that contact must transmit */
     chain_matrix following, factors;
     int exchanged[CHAIN_WRENCH];
+    double standing[CHAIN_WRENCH]; /* of the fixed parts of all forces */
     chain_matrix mass; /* in a step of time */
 } contact_state;
+
+/* Where bodies and contacts are as a step begins, bodies by their loads; and what pressed there [N]. */
+typedef struct {
+    double centres[FINGERFEM_MOST_BODIES][3], rotations[FINGERFEM_MOST_BODIES][9];
+    int count, names[FINGERFEM_MOST_CONTACTS], plates[FINGERFEM_MOST_CONTACTS], objects[FINGERFEM_MOST_CONTACTS];
+    double points[FINGERFEM_MOST_CONTACTS][3], gaps[FINGERFEM_MOST_CONTACTS], forces[FINGERFEM_MOST_CONTACTS];
+    double wrenches[FINGERFEM_MOST_CONTACTS][SLICE_ENDS][W];
+} acting_begin;
 
 /* A step of time from where bodies were, see inertia.c: its length [s], and the numbers of the generalised-alpha method [-]. */
 typedef struct {
@@ -61,7 +77,8 @@ typedef struct {
     const double *turning; /* of the base in its own axes: angular velocity [rad/s] and its rate, (6); NULL if it does not turn */
     double length, mean_mass, mean_force, beta, gamma;
     double contact; /* the share of contact forces that the balance at the step's end sees [-] */
-    int rubber;     /* whether the solve begins with contacts of rubber; else they come where an object lies in it */
+    const fingerfem_pressed *pressed; /* as it begins */
+    acting_begin *begin;
 } contact_step;
 
 /* What the solve is about. All objects come together: where one is at d, object j is at d + ahead[j], and infinity says that it is

@@ -9,6 +9,7 @@
  */
 #include <math.h>
 #include <stdlib.h>
+#include "acting.h"
 #include "inertia.h"
 #include "response.h"
 
@@ -30,6 +31,7 @@
 #define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
 #define LONGEST 0.5     /* longest step [-] */
 #define MOVING 1e-6     /* converged in a step of time: of the trained loads, what the next step would be by quadratic convergence, after one */
+#define TURNS 1e-5      /* likewise after PATIENT steps, where contacts of one edge press in turns [-] */
 #define SMALL 3e-4      /* below this, of which contact that slows the convergence leaves some 1e-3 [-] */
 
 /* Forces of the last pose's contacts for those of this pose, matched by name, plate and object; 0 for new contacts. */
@@ -62,7 +64,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
     memcpy(state->pressed, state->wrench, (size_t)w * sizeof *state->wrench);
     if (problem->step) inertia_mass(problem, &state->at.chain, state->mass);
     if (problem->step) inertia_wrenches(problem, &state->at.chain, state->mass, target);
-    for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= target[i];
+    for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= target[i] + problem->share * state->standing[i];
     /* G and S by the last forces; then the forces of the linear complementarity problem */
     if (!response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
@@ -76,7 +78,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
     /* dw = S (W f - (w - I)) */
     for (int i = 0; i < w; i++) target[i] = -state->pressed[i];
     for (int k = 0; k < contacts->count; k++)
-        if (forces[k] > 0.0) response_press(&state->at, k, problem->share * forces[k], target);
+        if (forces[k] > 0.0) response_press(&state->at, k, problem->share * state->at.acting[k].slope * forces[k], target);
     response_soften(problem, state, target, change);
     /* size of the step, max_i |dw_i| / upper_i [-] */
     for (int i = 0; i < w; i++) {
@@ -108,6 +110,7 @@ static double step(const contact_problem *problem, double most, contact_state *s
 static int converged(const contact_problem *problem, const contact_state *state, int k, double size, double last)
 {
     if (problem->step && k > 1 && size < SMALL && size * size * size < MOVING * last * last) return 1;
+    if (problem->step && k > PATIENT && size < TURNS) return 1;
     return size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last);
 }
 
@@ -117,7 +120,7 @@ static int converged(const contact_problem *problem, const contact_state *state,
 int contact_solve_from(const contact_problem *problem, double d, contact_state *state)
 {
     objects_contacts before = state->at.contacts;
-    int rubber = problem->step ? problem->step->rubber : problem->map->count > problem->touching->chain->plates;
+    int rubber = problem->step ? acting_on_rubber(problem->step->pressed) : problem->map->count > problem->touching->chain->plates;
     double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
         /* bodies and contacts under the present wrenches, with the last forces as a start */
@@ -125,6 +128,7 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
         memcpy(forces, state->forces, sizeof forces);
         if (!placed_under(problem, d, rubber, state)) return -k;
         carry(&before, forces, &state->at.contacts, state->forces);
+        if (problem->step) acting_over_step(problem, k == 1, state);
         response_indent(problem, state);
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;

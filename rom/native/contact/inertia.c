@@ -38,7 +38,7 @@ void inertia_method(double radius, contact_step *step)
 }
 
 /* The rotation vector of R_0^T R, (3) [rad]: less than half a turn. */
-static void turn_between(const double *from, const double *to, double *found)
+void inertia_turn_between(const double *from, const double *to, double *found)
 {
     double rotation[9], sine = 0.0, trace = -1.0;
     for (int i = 0; i < 3; i++)
@@ -57,18 +57,19 @@ static void turn_between(const double *from, const double *to, double *found)
 
 void inertia_moving(const contact_step *step, const double *begun, const chain_body *body, double *moving)
 {
-    const double h = step->length, share = 1.0 - step->mean_force;
+    const double h = step->length;
     double way[W];
     for (int i = 0; i < 3; i++) way[i] = body->centre[i] - begun[PLACE + i];
-    turn_between(begun + TURN, body->rotation, way + 3);
+    inertia_turn_between(begun + TURN, body->rotation, way + 3);
     memcpy(moving + PLACE, body->centre, sizeof body->centre);
     memcpy(moving + TURN, body->rotation, sizeof body->rotation);
     for (int i = 0; i < W; i++) {
         const double v = begun[VELOCITY + i], before = begun[MEAN + i];
         const double a = (way[i] / h - v - (0.5 - step->beta) * h * before) / (step->beta * h);
         moving[VELOCITY + i] = v + h * ((1.0 - step->gamma) * before + step->gamma * a);
-        moving[CHANGE + i] = ((1.0 - step->mean_mass) * a + step->mean_mass * before - step->mean_force * begun[CHANGE + i]) / share;
         moving[MEAN + i] = a;
+        /* the mean of accelerations, of which inertia_rates makes wrenches */
+        moving[CHANGE + i] = ((1.0 - step->mean_mass) * a + step->mean_mass * before) / (1.0 - step->mean_force);
     }
 }
 
@@ -81,12 +82,11 @@ void inertia_at_rest(const chain_body *body, double *moving)
 
 void inertia_subtract_contact(const contact_step *step, const double *change, double *moving)
 {
-    const double share = (1.0 - step->mean_mass) / (1.0 - step->mean_force), h = step->length, *R = moving + TURN;
+    const double h = step->length, *R = moving + TURN;
     /* with change = r / M: a -= change / (2 beta), v' likewise, v += h change - gamma h change / (2 beta); those of the centre in space */
     for (int i = 0; i < W; i++) {
         const double own = i < 3 ? objects_dot(R + 3 * i, change) : change[i], taken = 0.5 * own / step->beta;
         moving[MEAN + i] -= taken;
-        moving[CHANGE + i] -= share * taken;
         moving[VELOCITY + i] += h * (own - step->gamma * taken);
     }
 }
@@ -156,7 +156,7 @@ static void middle_of(const chain_body *before, const chain_body *body, double *
 {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     double turn[3];
-    turn_between(before ? before->rotation : upright, body->rotation, turn);
+    inertia_turn_between(before ? before->rotation : upright, body->rotation, turn);
     for (int i = 0; i < 3; i++) turn[i] *= 0.5;
     rotation_of(turn, found);
 }
@@ -259,12 +259,29 @@ static void subtract_clamp(const contact_problem *problem, const chain_state *st
         for (int j = 0; j < 3; j++) found[W * b + i] -= to_middle[3 * j + i % 3] * middle[i / 3 * 3 + j];
 }
 
+/* M v', (6 bodies), from means of accelerations, each in its body's frame: M times these, less what elements put on the bodies as the
+ * step began. */
+static void rates(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *accelerations, double *found)
+{
+    const double share = problem->step->mean_force / (1.0 - problem->step->mean_force);
+    const int size = contact_size(problem);
+    for (int b = 0; b < problem->map->count; b++) {
+        double *own = found + W * b;
+        memset(own, 0, W * sizeof *own);
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        const double *before = begun_of(problem, b) + CHANGE;
+        objects_turned_back(state->bodies[b].rotation, before, own);
+        memcpy(own + 3, before + 3, 3 * sizeof *own);
+        for (int i = 0; i < W; i++) own[i] *= -share;
+    }
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) found[i] += mass[i][j] * accelerations[j];
+}
+
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found)
 {
     const fingerfem_inertia *inertia = problem->step->inertia;
-    const int size = contact_size(problem);
-    double accelerations[CHAIN_WRENCH] = {0.0};
-    memset(found, 0, (size_t)size * sizeof *found);
+    double accelerations[CHAIN_WRENCH] = {0.0}, spins[CHAIN_WRENCH] = {0.0};
     for (int b = 0; b < problem->map->count; b++) {
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         const int load = chain_load_of(problem->map, b);
@@ -273,21 +290,37 @@ void inertia_wrenches(const contact_problem *problem, const chain_state *state, 
         inertia_moving(problem->step, begun, state->bodies + b, moving);
         seen(moving, CHANGE, b, accelerations);
         /* om x (om x s) and om x J om, with om = 2 D - om_0, which has what contact does, as v above has not */
-        turn_between(begun + TURN, state->bodies[b].rotation, spin);
+        inertia_turn_between(begun + TURN, state->bodies[b].rotation, spin);
         for (int i = 0; i < 3; i++) spin[i] = 2.0 * spin[i] / problem->step->length - begun[VELOCITY + 3 + i];
         if (problem->step->turning) add_base(problem->step, begun, state->bodies + b, spin, accelerations + W * b);
         for (int i = 0; i < 3; i++) spun[i] = objects_dot(J + 3 * i, spin);
         objects_cross(spin, s, inner);
         objects_cross(spin, inner, outer);
         objects_cross(spin, spun, by_spun);
+        memcpy(spins + W * b, outer, sizeof outer);
+        memcpy(spins + W * b + 3, by_spun, sizeof by_spun);
+    }
+    rates(problem, state, mass, accelerations, found);
+    for (int i = 0; i < contact_size(problem); i++) found[i] = -found[i] - spins[i];
+    if (problem->step->turning) subtract_clamp(problem, state, found);
+}
+
+void inertia_forces(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *contact, double *moving)
+{
+    double accelerations[CHAIN_WRENCH] = {0.0}, found[CHAIN_WRENCH];
+    for (int b = 0; b < problem->map->count; b++)
+        if (problem->map->bodies[b].segment != CHAIN_GROUND)
+            seen(moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), CHANGE, b, accelerations);
+    rates(problem, state, mass, accelerations, found);
+    for (int b = 0; b < problem->map->count; b++) {
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        double *own = moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), *R = own + TURN, f[W];
+        for (int i = 0; i < W; i++) f[i] = found[W * b + i] - problem->step->contact * contact[W * b + i];
         for (int i = 0; i < 3; i++) {
-            found[W * b + i] -= outer[i];
-            found[W * b + 3 + i] -= by_spun[i];
+            own[CHANGE + i] = objects_dot(R + 3 * i, f);
+            own[CHANGE + 3 + i] = f[3 + i];
         }
     }
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) found[i] -= mass[i][j] * accelerations[j];
-    if (problem->step->turning) subtract_clamp(problem, state, found);
 }
 
 void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following)

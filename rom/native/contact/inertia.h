@@ -12,6 +12,9 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
 /* The same of a body at rest where it is. */
 void inertia_at_rest(const chain_body *body, double *moving);
 
+/* The rotation vector of R_0^T R, (3) [rad]: less than half a turn. */
+void inertia_turn_between(const double *from, const double *to, double *found);
+
 /* A rotation after a small turn in its own frame, (3) [rad], in place: R exp(turn). */
 void inertia_turn(const double *turn, double *rotation);
 
@@ -25,6 +28,10 @@ double inertia_energy(const contact_problem *problem, const double *moving, cons
  * motions, (6 bodies, 6 bodies), to a matrix. */
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found);
 void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following);
+
+/* What elements put on all bodies at the step's end, M v' without contact's wrenches, in place of `inertia_moving`'s means. The bodies of
+ * `begun` must be there still. */
+void inertia_forces(const contact_problem *problem, const chain_state *state, const chain_matrix mass, const double *contact, double *moving);
 
 /* Subtract the acceleration by contact, r / M, (6) in the body's frame, from a motion of `inertia_moving`. */
 void inertia_subtract_contact(const contact_step *step, const double *change, double *moving);

@@ -1,114 +1,134 @@
 /* A step of time: the balance of contact_solve.c at the step's end, with inertia. On a base that moves, weight is R^T g - a, with
  * the base's rotation R and the acceleration a of the clamp; and inertia.c has its turning. */
+#include "acting.h"
 #include "inertia.h"
 #include "relaxation.h"
-#include "reported.h"
 #include "response.h"
 #include "../linear_algebra/small.h"
 
 #define SHARED 1e-9 /* added to the diagonal, over it, so that contacts of one normal share a force [-] */
 
-/* N_j = -sum_q e . f_q over all bodies q: force of object j against its direction e [N], (count). */
-static void forces_along(const contact_problem *problem, const contact_state *state, double *forces)
+/* N_j = -sum_q e . f_q over all bodies q: force of object j against its direction e [N], (count), with the contacts' mean forces over a step
+ * and the forces that stopped them along their normals, (contacts). */
+static void forces_along(const contact_problem *problem, const contact_state *state, const double *stopped, double *forces)
 {
-    for (int j = 0; j < problem->touching->count; j++) {
-        double wrench[CHAIN_WRENCH], e[3];
-        response_wrenches(problem, state, j, wrench);
-        forces[j] = 0.0;
-        for (int q = 0; q < problem->map->count; q++) {
-            placed_leaving(problem, j, state->at.chain.bodies + q, e);
-            forces[j] -= objects_dot(e, wrench + W * q);
+    memset(forces, 0, (size_t)problem->touching->count * sizeof *forces);
+    for (int k = 0; k < state->at.contacts.count; k++) {
+        const contact_arms *arms = state->at.arms + k;
+        const int j = state->at.contacts.objects[k];
+        double e[3];
+        if (!(state->forces[k] > 0.0)) continue;
+        for (int a = 0; a < arms->count; a++) {
+            placed_leaving(problem, j, state->at.chain.bodies + arms->bodies[a], e);
+            forces[j] -= acting_force(state, k) * objects_dot(e, state->at.acting[k].wrenches[a]);
+            forces[j] -= stopped[k] * objects_dot(e, arms->wrenches[a]);
         }
     }
 }
 
-/* The contacts that press, `rows`, their number; and changes of the acceleration of all bodies, (1 + number, CHAIN_WRENCH): r / M with
- * the wrenches r of contact, then W_k / M of each. Returns -1 if the mass matrix is singular. */
-static int accelerated(const contact_problem *problem, const contact_state *state, int *rows, double (*found)[CHAIN_WRENCH])
+/* Plates' contacts that press. */
+typedef struct {
+    int count, rows[FINGERFEM_MOST_CONTACTS];
+    double changes[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH]; /* W_k / M */
+} stopped_contacts;
+
+/* These; the wrenches r of all contacts and r / M, both (6 bodies). Returns 0 if the mass matrix is singular. */
+static int accelerated(const contact_problem *problem, const contact_state *state, double *wrench, double *change, stopped_contacts *found)
 {
-    const int size = contact_size(problem);
+    const int size = contact_size(problem), ground = problem->map->bodies[0].segment == CHAIN_GROUND ? W : 0;
     double factors[CHAIN_WRENCH * CHAIN_WRENCH];
-    int count = 0, exchanged[CHAIN_WRENCH];
-    memset(found[0], 0, sizeof found[0]);
-    for (int k = 0; k < state->at.contacts.count; k++)
-        if (state->forces[k] > 0.0) rows[count++] = k;
-    for (int i = 0; i < size && count; i++) memcpy(factors + size * i, state->mass[i], (size_t)size * sizeof *factors);
-    if (count && !small_factorise(size, size, factors, exchanged)) return -1;
-    for (int k = 0; k < count; k++) {
-        double *own = found[1 + k];
-        /* W_k, but for the ground, which does not move; then r / M = sum f_k W_k / M */
-        memset(own, 0, sizeof found[0]);
-        response_press(&state->at, rows[k], 1.0, own);
-        memset(own, 0, problem->map->bodies[0].segment == CHAIN_GROUND ? W * sizeof *own : 0);
-        small_substitute(size, size, factors, exchanged, own);
-        for (int i = 0; i < size; i++) found[0][i] += state->forces[rows[k]] * own[i];
+    int exchanged[CHAIN_WRENCH], any = 0;
+    found->count = 0;
+    memset(wrench, 0, (size_t)size * sizeof *wrench);
+    for (int k = 0; k < state->at.contacts.count; k++) {
+        const contact_arms *arms = state->at.arms + k;
+        double *own = found->changes[found->count];
+        if (!(state->forces[k] > 0.0)) continue;
+        any = 1;
+        response_press(&state->at, k, acting_force(state, k), wrench);
+        if (placed_slice_of(&state->at, k)) continue;
+        memset(own, 0, (size_t)size * sizeof *own);
+        memcpy(own + W * arms->bodies[0], arms->wrenches[0], W * sizeof *own);
+        found->rows[found->count++] = k;
     }
-    return count;
+    memcpy(change, wrench, (size_t)size * sizeof *wrench);
+    if (!any) return 1;
+    for (int i = 0; i < size; i++) memcpy(factors + size * i, state->mass[i], (size_t)size * sizeof *factors);
+    if (!small_factorise(size, size, factors, exchanged)) return 0;
+    /* but for the ground, which does not move */
+    memset(change, 0, (size_t)ground * sizeof *change);
+    small_substitute(size, size, factors, exchanged, change);
+    for (int k = 0; k < found->count; k++) small_substitute(size, size, factors, exchanged, found->changes[k]);
+    return 1;
 }
 
-/* v -= W (W^T W / M)^-1 W^T v / M over the contacts that press, with a small diagonal term, so that contacts of one normal share a force. */
-static void stop(const contact_problem *problem, const contact_state *state, int count, const int *rows, double (*changes)[CHAIN_WRENCH], double *moving)
+/* v -= W (W^T W / M)^-1 W^T v / M over the plates' contacts that press, with a small diagonal term, so that contacts of one normal share a
+ * force. Adds the mean forces over the step that do so where contact begins, (contacts) [N]. */
+static void stop(const contact_problem *problem, const contact_state *state, const stopped_contacts *those, double *moving, double *forces)
 {
+    const int count = those->count;
     double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
     /* W^T W / M and W^T v */
     for (int i = 0; i < count; i++) {
-        const contact_arms *own = state->at.arms + rows[i];
-        velocity[i] = 0.0;
-        for (int j = 0; j < count; j++) matrix[count * i + j] = 0.0;
-        for (int a = 0; a < own->count; a++) {
-            const int body = own->bodies[a];
-            if (problem->map->bodies[body].segment == CHAIN_GROUND) continue;
-            velocity[i] += inertia_velocity_along(own->wrenches[a], moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
-            for (int j = 0; j < count; j++)
-                for (int l = 0; l < W; l++) matrix[count * i + j] += own->wrenches[a][l] * changes[1 + j][W * body + l];
+        const contact_arms *own = state->at.arms + those->rows[i];
+        const int body = own->bodies[0];
+        velocity[i] = inertia_velocity_along(own->wrenches[0], moving + FINGERFEM_MOVING * chain_load_of(problem->map, body));
+        for (int j = 0; j < count; j++) {
+            matrix[count * i + j] = 0.0;
+            for (int l = 0; l < W; l++) matrix[count * i + j] += own->wrenches[0][l] * those->changes[j][W * body + l];
         }
         matrix[count * i + i] *= 1.0 + SHARED;
     }
     if (!count || !small_solve(count, matrix, 1, velocity)) return;
+    for (int k = 0; k < count; k++)
+        if (acting_pressed(problem->step->pressed, &state->at.contacts, those->rows[k]) == 0.0)
+            forces[those->rows[k]] -= velocity[k] / problem->step->length;
     for (int b = 0; b < problem->map->count; b++) {
         double change[W] = {0.0};
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         for (int l = 0; l < W; l++)
-            for (int k = 0; k < count; k++) change[l] -= velocity[k] * changes[1 + k][W * b + l];
+            for (int k = 0; k < count; k++) change[l] -= velocity[k] * those->changes[k][W * b + l];
         inertia_add_velocity(change, moving + FINGERFEM_MOVING * chain_load_of(problem->map, b));
     }
 }
 
-/* Motions of all bodies at the step's end, in place of where it began, and the kinetic energy; returns 0 if the mass matrix is singular. */
-static int move(const contact_problem *problem, const contact_state *state, double *moving, double *energy)
+/* Motions of all bodies at the step's end, in place of where it began, the kinetic energy, and the forces that stop contacts; returns 0 if the
+ * mass matrix is singular. */
+static int move(const contact_problem *problem, const contact_state *state, double *moving, double *energy, double *stopped)
 {
-    int rows[FINGERFEM_MOST_CONTACTS];
-    double changes[1 + FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH];
+    stopped_contacts those;
+    double change[CHAIN_WRENCH], wrench[CHAIN_WRENCH];
     /* accelerations by contact */
-    const int count = accelerated(problem, state, rows, changes);
-    if (count < 0) return 0;
+    if (!accelerated(problem, state, wrench, change, &those)) return 0;
     for (int b = 0; b < problem->map->count; b++) {
-        double *own = moving + FINGERFEM_MOVING * chain_load_of(problem->map, b), begun[FINGERFEM_MOVING];
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
-        memcpy(begun, own, sizeof begun);
-        inertia_moving(problem->step, begun, state->at.chain.bodies + b, own);
-        inertia_subtract_contact(problem->step, changes[0] + W * b, own);
+        const int load = chain_load_of(problem->map, b);
+        double *own = moving + FINGERFEM_MOVING * load;
+        inertia_moving(problem->step, problem->step->begun + FINGERFEM_MOVING * load, state->at.chain.bodies + b, own);
+        inertia_subtract_contact(problem->step, change + W * b, own);
     }
-    stop(problem, state, count, rows, changes, moving);
+    inertia_forces(problem, &state->at.chain, state->mass, wrench, moving);
+    stop(problem, state, &those, moving, stopped);
     *energy = inertia_energy(problem, moving, state->mass);
     return 1;
 }
 
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
-                   int32_t *inside, fingerfem_pressing *pressing)
+                   int32_t *inside, fingerfem_pressed *pressed)
 {
     const fingerfem_branches *branches = inertia->branches;
     fingerfem_chain chain = *touching->chain;
     const fingerfem_touching touched = {&chain, touching->count, touching->objects};
     const int t = chain.tensions;
-    contact_step step = {.inertia = inertia, .begun = moving, .length = length, .rubber = inside[1] == FINGERFEM_RUBBER_PRESSES};
+    double begun[FINGERFEM_MOST_BODIES * FINGERFEM_MOVING], stopped[FINGERFEM_MOST_CONTACTS] = {0.0};
+    acting_begin begin;
+    contact_step step = {.inertia = inertia, .begun = begun, .length = length, .pressed = pressed, .begin = &begin};
     double held[TENSIONS_MOST], seen[TENSIONS_MOST];
     relaxation_step relaxation;
     chain_rods map;
     contact_state state;
-    /* where contact lasts, its wrench and those of elements are both of the step's end: as a mean with those before it they make energy */
-    inertia_method(inside[1] == FINGERFEM_NOTHING_PRESSES ? inertia->radius : 0.0, &step);
+    inertia_method(inertia->radius, &step);
     contact_problem problem = {&touched, &map, {0.0}, inertia->masses ? &step : NULL, inertia->masses ? step.contact : 1.0};
     /* the weight on a base that moves, and its turning */
     if (base) memcpy(chain.gravity, base, sizeof chain.gravity);
@@ -126,24 +146,20 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     memset(state.forces, 0, sizeof state.forces);
     state.at.contacts.count = 0;
     if (!chain_all_bodies(&map) || !chain_take_loads(&map, loads, state.wrench)) return -1;
+    memcpy(begun, moving, (size_t)(fingerfem_chain_loads(&chain) / W * FINGERFEM_MOVING) * sizeof *begun);
     const int evaluations = contact_solve_from(&problem, d, &state);
     if (evaluations <= 0) return evaluations;
-    inside[1] = FINGERFEM_NOTHING_PRESSES;
-    for (int k = 0; k < state.at.contacts.count; k++) {
-        const int pressed = placed_slice_of(&state.at, k) ? FINGERFEM_RUBBER_PRESSES : FINGERFEM_PLATES_PRESS;
-        if (state.forces[k] > 0.0 && inside[1] < pressed) inside[1] = pressed;
-    }
-    /* where the step ends, and how bodies move there */
+    /* where the step ends, how bodies move there, and what presses */
     *energy = 0.0;
     for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;
-    if (problem.step && !move(&problem, &state, moving, energy)) return -evaluations;
+    if (problem.step && !move(&problem, &state, moving, energy, stopped)) return -evaluations;
     for (int b = 0; b < map.count && !problem.step; b++)
         if (map.bodies[b].segment != CHAIN_GROUND)
             inertia_at_rest(state.at.chain.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
     if (branches) relaxation_end(&relaxation, &map, point, relaxing);
     chain_leave_loads(&map, state.wrench, loads);
-    forces_along(&problem, &state, forces);
+    forces_along(&problem, &state, stopped, forces);
+    acting_leave(&state, pressed);
     *inside &= !placed_crowded(&state.at.contacts);
-    if (pressing) report_pressing(&state.at, state.forces, pressing);
     return evaluations;
 }

@@ -1,6 +1,6 @@
 /* Bodies placed under their wrenches, and their contacts with objects there: of plates, and of slices of rubber. */
 #include <math.h>
-#include "contact.h"
+#include "acting.h"
 #include "plate_around.h"
 #include "rubber.h"
 #include "slices.h"
@@ -140,6 +140,7 @@ static void arms(const contact_problem *problem, placed *at)
         own->bodies[0] = slice ? 0 : chain_plate_of(problem->map, at->contacts.plates[k]);
         memcpy(own->wrenches[0], at->contacts.wrenches[k], sizeof own->wrenches[0]);
         if (slice) slices_arms(slice, &at->chain, &at->contacts, k, NULL, own);
+        acting_at_end(at, k);
     }
 }
 

@@ -1,4 +1,5 @@
 /* Response of the bodies to contact forces: G, S and C S, derivatives, and stability. */
+#include "acting.h"
 #include "inertia.h"
 #include "response.h"
 #include "slices.h"
@@ -27,7 +28,8 @@ static void follow(const contact_problem *problem, contact_state *state)
         double own[SLICE_INPUTS][SLICE_INPUTS];
         if (state->forces[k] == 0.0) continue;
         changes_of(problem, state, k, own);
-        const double force = problem->share * state->forces[k];
+        acting_change(&state->at, k, own);
+        const double force = problem->share * acting_force(state, k);
         /* G += f_k dW_k, in the blocks of the contact's bodies a, b */
         for (int a = 0; a < arms->count; a++)
             for (int b = 0; b < arms->count; b++)
@@ -101,7 +103,7 @@ void response_press(const placed *at, int k, double force, double *wrench)
 {
     const contact_arms *arms = at->arms + k;
     for (int a = 0; a < arms->count; a++)
-        for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * arms->wrenches[a][i];
+        for (int i = 0; i < W; i++) wrench[W * arms->bodies[a] + i] += force * at->acting[k].wrenches[a][i];
 }
 
 /* The contacts that press, `rows`, and the motions C S W_k with a unit force at each; returns their number. */

@@ -17,7 +17,7 @@ void response_press(const placed *at, int k, double force, double *wrench);
 static inline void response_yield(const contact_problem *problem, const contact_state *state, int k, double *out)
 {
     double wrench[CHAIN_WRENCH] = {0.0};
-    response_press(&state->at, k, problem->share, wrench);
+    response_press(&state->at, k, problem->share * state->at.acting[k].slope, wrench);
     response_move(problem, state, wrench, out);
 }
 

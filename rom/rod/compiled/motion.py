@@ -22,7 +22,7 @@ class Stepped(NamedTuple):
 
     Attributes:
         state: see `Stepper`.
-        forces: of every object against its direction, shape (m,) [N].
+        forces: mean over the step on every object against its direction, shape (m,) [N].
         energy: kinetic [J].
         inside: whether tensions, loads and contacts lie where the elements were trained.
     """
@@ -37,7 +37,8 @@ class Stepper:
     """Steps of one finger, in memory of its own.
 
     A state is one array: of every body 30 numbers, see segment.h; the loads on all bodies, those of contacts and of
-    inertia, shape (6 bodies,) [N, N m]; then what relaxes in viscoelastic rubber; and what presses, see segment.h.
+    inertia, shape (6 bodies,) [N, N m]; then what relaxes in viscoelastic rubber; and what presses, a struct
+    fingerfem_pressed.
 
     Args:
         touching: the finger and its objects, a struct fingerfem_touching.
@@ -59,13 +60,14 @@ class Stepper:
         self._with_mass, self._without = (
             LIBRARY.struct("fingerfem_inertia", **one, **more) for one in (inertia, dict[str, Any]())
         )
-        self._memory, self._state = memory_of(chain), np.zeros(bodies * (MOVING + 6) + relaxing + 1)
+        ends = np.cumsum([bodies * MOVING, bodies * 6, relaxing])
+        self._memory, self._state = memory_of(chain), np.zeros(ends[-1] + LIBRARY.ffi.sizeof("fingerfem_pressed") // 8)
         self._point, self._base = np.zeros(chain.tensions + touching.count), np.zeros(BASE)
-        self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(2, np.int32)
-        ends = bodies * MOVING, bodies * (MOVING + 6)
-        self.loads = slice(*ends)  # of a state, the loads on all bodies
-        moving, loads, relaxing_of = map(pointer, np.split(self._state, ends))
-        results = pointer(self._forces), pointer(self._energy), pointer(self._inside, "int32_t[]"), LIBRARY.ffi.NULL
+        self._forces, self._energy, self._inside = np.zeros(touching.count), np.zeros(1), np.zeros(1, np.int32)
+        self.loads = slice(*ends[:2])  # of a state, the loads on all bodies
+        moving, loads, relaxing_of, pressed = map(pointer, np.split(self._state, ends))
+        self._pressed = LIBRARY.ffi.cast("fingerfem_pressed *", pressed)
+        results = pointer(self._forces), pointer(self._energy), pointer(self._inside, "int32_t[]"), self._pressed
         self._results = (self._memory, moving, relaxing_of, loads, *results)
         self._given, self._turned = pointer(self._point), pointer(self._base)
 
@@ -76,10 +78,10 @@ class Stepper:
     def at_rest(self, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
         """The state at rest under tensions and loads; None if there are too many bodies."""
         self._point[: len(tensions)] = tensions
-        _, moving, relaxing, pressed, *_ = self._results
+        _, moving, relaxing, given, *_ = self._results
         self._state[self._bodies * MOVING :][: len(loads)] = loads
-        self._state[-1] = LIBRARY.constants.FINGERFEM_NOTHING_PRESSES
-        arguments = self._given, pressed, self.branches, self._memory, moving, relaxing
+        self._pressed.count = 0
+        arguments = self._given, given, self.branches, self._memory, moving, relaxing
         known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
         return self._state.copy() if known else None
 
@@ -116,7 +118,7 @@ class Stepper:
             base: how it moves at the step's end, shape (9,), see segment.h; None if it rests.
             has_mass: whether it has; else the step ends at rest.
         """
-        self._state[:], self._point[:], self._inside[1] = state, point, state[-1]
+        self._state[:], self._point[:] = state, point
         turned = LIBRARY.ffi.NULL
         if base is not None:
             self._base[:], turned = base, self._turned
@@ -125,5 +127,4 @@ class Stepper:
         )
         if evaluations <= 0:
             return None
-        self._state[-1] = self._inside[1]
         return Stepped(self._state.copy(), self._forces.copy(), float(self._energy[0]), bool(self._inside[0]))

@@ -23,7 +23,7 @@ class MotionState:
         time: at the end of the step [s].
         tip: displacement of the tip plate's centre, shape (3,) [m].
         velocity: of the tip plate's centre, shape (3,) [m/s].
-        contact_forces: on every object against its direction, shape (m,) [N].
+        contact_forces: mean over the last step on every object against its direction, shape (m,) [N].
         kinetic_energy: of the finger [J].
         dissipated: by friction of tendons in their guides since the beginning [J].
     """

@@ -41,8 +41,8 @@ class MovingFinger:
         parameters: tensions [N] and d [m] of the initial equilibrium without contact, shape (t + m,).
         density: of the rubber [kg/m^3]; by default that of [gravity].
         plate_density: likewise of the plates.
-        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. During contact it is
-            0, because lasting contact would otherwise create energy. Contact of rubber may still create a little.
+        radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. Rubber in contact is
+            such a spring, too. A plate does not rebound by itself.
         parts: number of parts of every interior element; more parts increase the accuracy of higher frequencies.
         friction: of the tendons in their guides, as of `rom.GuidedFinger` [-]; None: a tendon has one tension. Motors
             have reached the initial tensions from rest together.
