@@ -116,7 +116,7 @@ class Continuation:
             ahead = 1.0 if fraction + share > 1 - 1e-12 else fraction + share
             halvings = int(np.log2(max(first / share, 1.0)) + 0.5)
             try:
-                if halvings > self.options.halvings:
+                if np.isfinite(beyond) and halvings > self.options.halvings:
                     raise NotConverged(reason)
                 needed = self._step(origin.towards(target, ahead), _strategies(halvings))
             except NotConverged as failure:

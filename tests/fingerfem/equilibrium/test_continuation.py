@@ -274,3 +274,11 @@ def test_soft_rubber_pulled_less_bends_as_stiff_rubber_pulled_more(table, modulu
         forces.append(state.contact_force / young)
     assert tips[0] == pytest.approx(tips[1], rel=1e-3, abs=1e-9)
     assert forces[0] == pytest.approx(forces[1], rel=1e-3)
+
+
+def test_the_rest_of_a_path_may_be_shorter_than_the_shortest_step_of_a_bisection(draft):
+    path = Continuation(draft.problem)
+    bend = path.options.first_turn * (1 + 1e-5) / path._turns.actuators[0]
+    path.advance([bend, 0.0], None)
+    assert path.tensions == pytest.approx([bend, 0.0], abs=0)
+    assert path.steps == 2
