@@ -53,10 +53,6 @@ CIRCLE = {"section": {"shape": "circle", "diameter": 0.012}, "geometry": {"segme
         ({"materials": [JOINT | {"x": [0.03, 0.03001]}]}, "at least a hundredth of the side"),
         ({"materials": [LAYER, JOINT]}, "materials.1.region must have no cells of another material.* of layer"),
         ({"materials": [LAYER, LAYER | {"name": "more", "centre": [-0.004, 0.0]}]}, "got some of layer"),
-        (
-            {"materials": [JOINT], "load": {"force": 5.0}},
-            "materials.0.x must be left out of a scene with a load",
-        ),
         ({"materials": [JOINT], "obstacle": PLANE}, "method must be penalty with several materials"),
         ({"materials": [JOINT], "preset": "draft", "mesh": None}, r"preset must be left out with \[\[materials\]\]"),
         (
