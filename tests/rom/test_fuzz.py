@@ -206,7 +206,7 @@ def swap(group, change) -> None:
 
 
 REFUSED = {
-    "nine tendons": (ninth_tendon, "tensions must be from 1 to 8, got 9"),
+    "nine tendons": (ninth_tendon, "tendons and chambers must be at most 8 of a rod, got 9"),
     "a power of 32": (power, "powers of law 0 must be from 0 to 31, got 0 to 32"),
     "NaN": (not_a_number, "coefficients of clamp must be finite"),
     "a plate far away": (far_away, "free plate 1 must be within 2 lengths of its clamp, got "),

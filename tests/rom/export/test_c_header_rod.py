@@ -28,7 +28,7 @@ pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 NUMBERS = 1e-13  # [m, N and what derivatives have]: rounding, as compilers may take sums in another order
 # What a program without an operating system has, too; gcc makes `sincos` of `sin` and `cos` where the C library has it.
 MEMORY, ROUNDING = {"memcpy", "memset", "memmove"}, {"abs", "fabs", "sqrt", "floor", "fmin", "fmax", "copysign"}
-LIBRARY = MEMORY | ROUNDING | {"atan2", "cos", "sin", "sincos"}
+LIBRARY = MEMORY | ROUNDING | {"atan2", "cos", "pow", "sin", "sincos"}
 FLAT = """
 #define FINGER_IMPLEMENTATION
 #include "finger.h"
