@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from control.arguments import number, positive
+from control.tracking.arguments import number, positive
 
 LEAST, MOST = 1e-9, 1e9  # of noise, drift and effort, from which a filter's gains are computed
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from control.arguments import number, numbers, positive
+from control.tracking.arguments import number, numbers, positive
 
 MOST_OF_A_LAP = 0.25  # from row to row [-]
 

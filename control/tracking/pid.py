@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from control.arguments import numbers
 from control.motion import Limits
+from control.tracking.arguments import numbers
 from control.tracking.inverse import resting
 from control.tracking.linearised import PLANAR
 from control.tracking.options import TrackingOptions

@@ -34,7 +34,7 @@ from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, errors_of
 from rom.rod.limits import check as check_rod
 from rom.rod.scene.intervals_of_rod import cuts_of, in_segment, with_materials
-from rom.rod.scene.scene_of_rod import Similarity, of_tables, passing, read_scene, similarity
+from rom.rod.scene.scene_of_rod import Similarity, completed, of_tables, passing, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.rod.tables import summary
 from rom.rod.weight import turned
@@ -249,11 +249,7 @@ class Rod(PickledByFields):
             ModelError: not a valid scene, or the elements cannot make it; the message says what is missing.
         """
         tables = of_tables(scene) if isinstance(scene, Mapping) else read_scene(scene)
-        trained = {name: table for name, table in self.elements.scene.items() if name not in ("chambers", "materials")}
-        section = trained.pop("section", None)
-        if section and "digest" in section and section["digest"] == tables.get("section", {}).get("digest"):
-            tables["section"] = section  # with what was measured of the file
-        return Rod(elements=self.elements, scene=trained | tables)
+        return Rod(elements=self.elements, scene=completed(tables, self.elements.scene))
 
     def with_gravity(self, direction: ArrayLike, acceleration: float | None = None) -> Rod:
         """The same finger on a turned base; the compiled data of its segments are shared.

@@ -111,6 +111,15 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
         ) from None
 
 
+def completed(tables: dict[str, Any], trained: Mapping[str, Any]) -> dict[str, Any]:
+    """A finger's tables, with those that it lacks from the scene of its elements."""
+    own = {name: table for name, table in trained.items() if name not in ("chambers", "materials", "section")}
+    section = trained.get("section")
+    if section and "digest" in section and section["digest"] == tables.get("section", {}).get("digest"):
+        return own | tables | {"section": section}  # with the measurements of the file
+    return own | tables
+
+
 def _geometry(table: dict[str, Any], has_side: bool) -> dict[str, Any]:
     sizes = {name: float(table[name]) for name in ("side", "plate") if has_side or name != "side"}
     channel = table.get("channel")
