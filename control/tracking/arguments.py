@@ -40,15 +40,15 @@ def numbers(name: str, value: Any, shape: tuple[int | None, ...], unit: str) -> 
         ValueError: the value has another shape, or entries that are not finite numbers.
     """
     try:
-        found = np.array(value, float) if not isinstance(value, str) else None
+        array = np.array(value, float) if not isinstance(value, str) else None
     except (TypeError, ValueError):
-        found = None
+        array = None
     wanted = str(shape).replace("None", "n")
-    if found is None or not np.isfinite(found).all():
+    if array is None or not np.isfinite(array).all():
         raise ValueError(f"{name} must be finite numbers [{unit}] of shape {wanted}, got {_short(value)}")
-    if found.ndim != len(shape) or any(w not in (None, s) for w, s in zip(shape, found.shape, strict=True)):
-        raise ValueError(f"{name} must be finite numbers [{unit}] of shape {wanted}, got shape {found.shape}")
-    return found
+    if array.ndim != len(shape) or any(w not in (None, s) for w, s in zip(shape, array.shape, strict=True)):
+        raise ValueError(f"{name} must be finite numbers [{unit}] of shape {wanted}, got shape {array.shape}")
+    return array
 
 
 def _is_number(value: Any) -> bool:

@@ -149,7 +149,7 @@ def _machine() -> str:
 
 
 def _started(pid: int) -> str:
-    """Start of a process [ticks since boot], empty if there is none: two processes may have one number in turn."""
+    """Start of a process [ticks since boot], empty if there is none: a system reuses the numbers of processes."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
     except OSError:

@@ -1,9 +1,9 @@
 """Correction of every element's law for the error of its training mesh, by a few states on a finer mesh.
 
-A mesh is too stiff by some share that hardly depends on the loads. So the difference of two meshes is a share of every
-value of the law, less what it is at rest, and a polynomial of low degree. Few states determine both: each gives samples
-of every element. A ridge draws the polynomial, not the share, towards none where they do not: a correction that is
-drawn towards none as a whole is too small at the ends of the ranges.
+A mesh is too stiff by a share that hardly depends on the loads. So the difference of two meshes is modelled as a share
+of the law's change from rest, plus a polynomial of low degree. Few states determine both, because each state gives
+samples of every element. A ridge term shrinks the polynomial, but not the share. If it shrank both, the correction
+would be too small at the ends of the ranges.
 """
 
 from __future__ import annotations
