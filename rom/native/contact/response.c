@@ -188,7 +188,7 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
         if (contacts->objects[rows[k]] == only) forces[k] -= response_opening(&state->at, rows[k], drift);
         if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
     }
-    if (!response_forces(problem, &state->at, count, rows, columns, forces)) return 0;
+    if (!response_forces(&state->at, count, rows, columns, forces)) return 0;
     /* change of all wrenches: dw = S (G drift + bends + W df) */
     for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
     response_soften(problem, state, turned, wrench_change);
@@ -214,6 +214,6 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     /* A = W^T C S W + c over the pressing contacts */
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = response_opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(problem, &state->at, rows[i], rows[j]);
+            a[count * i + j] = response_opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(&state->at, rows[i], rows[j]);
     return small_negative(w, yielding) == small_negative(count, a); /* of C S = 1/K as of K */
 }

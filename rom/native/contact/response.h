@@ -33,8 +33,7 @@ static inline double response_opening(const placed *at, int k, const double *mot
 
 /* Forces, (count), at some contacts, by which their gaps open as much as `wanted`, in place: solve
  * (W^T C S W + c) f = wanted, c the local compliances. Returns 0 if that is singular. */
-int response_forces(const contact_problem *problem, const placed *at, int count, const int *rows, double (*columns)[CHAIN_WRENCH],
-                    double *wanted);
+int response_forces(const placed *at, int count, const int *rows, double (*columns)[CHAIN_WRENCH], double *wanted);
 
 /* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by block principal pivoting, with Murty's least index (1974) where that does not end (Judice and Pires 1994): it
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
@@ -42,13 +41,13 @@ int response_balance(const contact_problem *problem, const contact_state *state,
 
 /* The local compliance of contact k by a unit force at another contact, or at itself: its indentation, and the deflection of its element
  * between its ends [m/N]. */
-double response_compliance(const contact_problem *problem, const placed *at, int k, int other);
+double response_compliance(const placed *at, int k, int other);
 
 /* Linearise the indentation of all slices about a state's pose and forces: shares and lifts of its contacts. */
-void response_indent(const contact_problem *problem, contact_state *state);
+void response_indent(contact_state *state);
 
 /* The indentation of contact k by all forces [m]. */
-double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k);
+double response_indentation(const placed *at, const double *forces, int k);
 
 /* How wrenches and bodies move with a tension, or with an object: drift is the motion at fixed wrenches, of the bodies, or
  * relative to the object `only`, which no others see; it is negative for all. Unless it is NULL, contacts' points of the plates

@@ -110,7 +110,6 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, x, p);
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
-    all->segment = slice->segment;
     const double own = fmax(compliance / slice->modulus, OBJECTS_COMPLIANCE);
     const int k = objects_note_rubber(all, name, point->gap, point->at, own, 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
     if (k >= 0) all->borders[k] = point->border;
