@@ -61,7 +61,6 @@ static double step(const contact_problem *problem, double most, contact_state *s
     /* a wrench was given, but no forces: find G by the forces just found, and solve again */
     if (any(w, state->wrench) && any(contacts->count, forces) && !any(contacts->count, state->forces)) {
         memcpy(state->forces, forces, sizeof forces);
-        response_indent(state);
         if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
     }
     /* dw = S (W f - (w - I)) */
@@ -117,7 +116,6 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
         if (!placed_under(problem, d, rubber, state)) return -k;
         for (int c = 0; c < state->at.contacts.count; c++) state->forces[c] = acting_pressed(&before, &state->at.contacts, c);
         if (problem->step) acting_over_step(problem, k == 1, state);
-        response_indent(state);
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */

@@ -21,21 +21,21 @@ static double deflection(double phi, double a, double b)
 /* Between two slices: components of both normals n, m into the same face take that face's compliance, n_i m_i c(away);
  * those into opposite faces take the compliance of the opposite face, which moves the other way. Slices of two materials
  * have the geometric mean of their moduli. Within an element its deflection adds to that. */
-double response_compliance(const placed *at, int k, int other)
+double response_between(const placed *at, int k, int other)
 {
     const objects_contacts *contacts = &at->contacts;
     const rubber_slice *own = placed_slice_of(at, k), *its = placed_slice_of(at, other);
     const double *n = contacts->wrenches[k], *m = contacts->wrenches[other];
-    double sum = k == other ? contacts->compliance[k] / contacts->shares[k] : 0.0, found = 0.0;
-    if (!own || !its || own->segment != its->segment || contacts->compliance[k] == OBJECTS_COMPLIANCE) return sum;
+    double found = 0.0;
+    if (!own || !its || own->segment != its->segment || contacts->compliance[k] == OBJECTS_COMPLIANCE) return 0.0;
     /* points of one face, by the number of slices between them */
     const int name = contacts->names[k], away = abs(own->number - its->number);
     if (name == contacts->names[other] && name >= SLICE_FACES && name < SLICE_LINES) found -= own->of->point_compliance[away];
     for (int i = 1; i < 3 && k != other; i++) found += fabs(n[i] * m[i]) * (n[i] * m[i] > 0.0 ? own->of->row_compliance : own->of->opposite_compliance)[away];
-    sum += found / (own->root * its->root);
-    if (own->element != its->element) return sum;
+    found /= own->root * its->root;
+    if (own->element != its->element) return found;
     const double a = own->share + contacts->points[k][0] / own->length, b = its->share + contacts->points[other][0] / its->length;
-    return sum + (n[1] * m[1] * own->flexibility[0] + n[2] * m[2] * own->flexibility[1]) * deflection(own->slender, a, b);
+    return found + (n[1] * m[1] * own->flexibility[0] + n[2] * m[2] * own->flexibility[1]) * deflection(own->slender, a, b);
 }
 
 double response_indentation(const placed *at, const double *forces, int k)
@@ -46,14 +46,9 @@ double response_indentation(const placed *at, const double *forces, int k)
     return sum;
 }
 
-void response_indent(contact_state *state)
+void response_indent(objects_contacts *contacts, const double *others)
 {
-    objects_contacts *contacts = &state->at.contacts;
-    for (int k = 0; k < contacts->count; k++) {
-        /* depth of the closest point, without what other forces lower it by */
-        const double own = contacts->compliance[k] / contacts->shares[k] * state->forces[k];
-        const double others = response_indentation(&state->at, state->forces, k) - own;
+    for (int k = 0; k < contacts->count; k++)
         if (contacts->slices[k] >= 0)
-            indentation_tangent(contacts->profiles + k, -contacts->gaps[k] - contacts->domes[k] - others, contacts->shares + k, contacts->lifts + k);
-    }
+            indentation_tangent(contacts->profiles + k, -contacts->gaps[k] - contacts->domes[k] - others[k], contacts->shares + k, contacts->lifts + k);
 }
