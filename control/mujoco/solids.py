@@ -181,6 +181,27 @@ def random_error(random: np.random.Generator) -> np.ndarray:
     return error * (POSE_ERROR * random.random() ** (1 / 3) / np.linalg.norm(error))
 
 
+def centre_of(corners: np.ndarray) -> np.ndarray:
+    """Centre of the volume of the convex body of corners, shape (n, 3); shape (3,) [m]."""
+    hull = ConvexHull(corners)
+    inner = corners.mean(axis=0)
+    tetrahedra = corners[hull.simplices] - inner
+    volumes = np.abs(np.linalg.det(tetrahedra))
+    return inner + (volumes[:, None] * tetrahedra.sum(axis=1) / 4).sum(axis=0) / volumes.sum()
+
+
+def half_width(corners: np.ndarray, height: float) -> float:
+    """Mean half-width of the convex body of corners, shape (n, 3), at a height [m].
+
+    The mean half-width of a plane convex outline is its perimeter over 2 pi (Cauchy).
+    """
+    corner, other = (corners[ends] for ends in np.triu_indices(len(corners), 1))
+    crosses = (corner[:, 2] - height) * (other[:, 2] - height) < 0
+    share = ((height - corner[:, 2])[crosses] / (other - corner)[crosses, 2])[:, None]
+    outline = ConvexHull((corner[crosses] + share * (other - corner)[crosses])[:, :2])
+    return float(outline.area) / (2 * np.pi)  # in a plane, `area` is the perimeter
+
+
 # MuJoCo's size, corners, height at which it is grasped, half-width there.
 Form = tuple[tuple[float, ...], np.ndarray, float, float]
 
@@ -215,9 +236,9 @@ def _mesh(random: np.random.Generator, height: float, radius: float) -> Form:
     points *= [radius, radius * random.uniform(0.8, 1.25), height / (1 + STANDS)]
     points[:, 2] = np.maximum(points[:, 2], -STANDS * height / (1 + STANDS))
     corners = points[ConvexHull(points).vertices]
-    middle = _centre(corners)
+    middle = centre_of(corners)
     corners -= [middle[0], middle[1], corners[:, 2].min()]
-    return (), corners, float(_centre(corners)[2]), radius
+    return (), corners, float(centre_of(corners)[2]), radius
 
 
 _FORMS = {"box": _box, "sphere": _sphere, "cylinder": _cylinder, "cone": _cone, "mesh": _mesh}
@@ -226,12 +247,3 @@ _FORMS = {"box": _box, "sphere": _sphere, "cylinder": _cylinder, "cone": _cone, 
 def _circle(radius: float, height: float) -> np.ndarray:
     around = 2 * np.pi * np.arange(ROUND) / ROUND
     return np.column_stack([radius * np.cos(around), radius * np.sin(around), np.full(ROUND, height)])
-
-
-def _centre(corners: np.ndarray) -> np.ndarray:
-    """Centre of the volume of a convex body [m]."""
-    hull = ConvexHull(corners)
-    inner = corners.mean(axis=0)
-    tetrahedra = corners[hull.simplices] - inner
-    volumes = np.abs(np.linalg.det(tetrahedra))
-    return inner + (volumes[:, None] * tetrahedra.sum(axis=1) / 4).sum(axis=0) / volumes.sum()

@@ -14,6 +14,7 @@ from control.grasping.grasp_forces import GRAVITY
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.layouts import FINGERS, best_layout
+from control.mujoco.resting import at_rest
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
 from control.mujoco.table import STEP, table
 from rom import TouchedSegment
@@ -56,7 +57,7 @@ class Trial:
 def trial(number: int, shape: str) -> Trial:
     """The same one for a number, every time."""
     random = np.random.default_rng([2018, number])
-    solid = random_solid(random, shape)
+    solid = at_rest(random_solid(random, shape))
     error = random_error(random)
     flaws = Flaws(noise=random.uniform(0.002, 0.02), resolution=0.005, delay=int(random.integers(0, 4)), period=PERIOD)
     return Trial(number=number, solid=solid, error=error, flaws=flaws)
