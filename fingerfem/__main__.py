@@ -212,7 +212,7 @@ SetFolder = Annotated[Path, typer.Argument(metavar="SET/", help="The set's folde
 
 @app.command()
 def status(folder: SetFolder, as_json: AsJson = False) -> None:
-    """Say what became of every state of a snapshot set; while others work on it, too."""
+    """Report the result of every state of a snapshot set, also while jobs work on it."""
     from fingerfem.snapshots.ledger import Ledger, sentence
     from rom.dataset.snapshot_set import read_description
 
@@ -233,7 +233,7 @@ def status(folder: SetFolder, as_json: AsJson = False) -> None:
 
 @app.command()
 def retry(folder: SetFolder) -> None:
-    """Forget the lines of a set that have failed or quarantined states, so that snapshots solves them again."""
+    """Clear the lines of a set with failed or quarantined states, so that snapshots solves them again."""
     from fingerfem.snapshots.ledger import Ledger
     from rom.dataset.snapshot_set import read_description
 
@@ -244,7 +244,7 @@ def retry(folder: SetFolder) -> None:
 
 @app.command()
 def doctor(as_json: AsJson = False) -> None:
-    """Say what this installation has, what is wrong with it, and how to mend it."""
+    """Report what this installation has, what is wrong with it, and how to mend it."""
     from fingerfem.doctor import examine, report
 
     findings = list(examine()) if as_json else report()
