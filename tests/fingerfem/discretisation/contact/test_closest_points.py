@@ -83,7 +83,7 @@ def test_a_ball_presses_a_face_where_it_is_nearest_between_all_nodes(table):
 
 
 def test_a_ring_of_curved_cells_rolls_on_a_plane():
-    """At every turn the plane presses 10 um into the plate, towards the axis: at nodes alone with levers of 0.14 radii."""
+    """At every turn the plane presses 10 um deep, towards the axis: at nodes alone with levers of 0.14 radii."""
     radius, depth = 0.010, 1e-5
     scene = Scene.model_validate(RING)
     problem = FingerModel(scene).problem
