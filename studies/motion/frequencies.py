@@ -68,10 +68,11 @@ def presses_rubber(problem: Any) -> bool:
     return bool((forces[~np.any(plates, axis=0)] > 0).any())
 
 
-def bulge(run: Run) -> list[float]:
-    """Heights of an edge of the square finger midway between its plate and the nearest cross-section of nodes [m].
+def bulge(run: Run) -> dict[str, float]:
+    """Heights of the square finger's face midway between its plate and the nearest cross-section of nodes [m].
 
-    They are heights above the straight line between both: of the rod, and of the full-order model by cells of order 2.
+    They are heights above straight lines between both, of the rod and of the full-order model by order 2: their
+    means across the face, and the largest difference.
     """
     from fingerfem import FingerModel
     from fingerfem.scene.scene import Scene
@@ -81,19 +82,20 @@ def bulge(run: Run) -> list[float]:
     finer = FingerModel(Scene.model_validate(scene | {"mesh": scene["mesh"] | FINER}))
     finer.solve(PULLED, sensitivities=False)
     rest, top = finer.problem.space.tabulate_dof_coordinates(), finer.problem.scene.geometry.shape.top
-    on_edge = np.isclose(rest[:, 1:], [top, -top], atol=1e-9).all(axis=1)
     plate = scene["geometry"]["segments"][0] - scene["geometry"]["plate"]
-    edge = np.flatnonzero(on_edge & (rest[:, 0] < plate + 1e-9))
-    ends = edge[np.argsort(rest[edge, 0])[-3:]]
-    displaced = (
-        finer.problem.displacement.reshape(-1, 3)[ends],
-        touching(rod).displacement([*PULLED, np.inf], rest[ends]),
-    )
-    found = []
-    for near, middle, far in (rest[ends] + one for one in displaced):
-        along = (far - near) / np.linalg.norm(far - near)
-        found.append(float(np.cross(along, middle - near)[2]))
-    return found[::-1]
+    planes = np.unique(rest[rest[:, 0] < plate + 1e-9, 0].round(9))[-3:]
+    face = np.isclose(rest[:, 1], top, atol=1e-9)
+    rows = [np.flatnonzero(face & np.isclose(rest[:, 0], x, atol=1e-9)) for x in planes]
+    nodes = np.array([row[np.argsort(rest[row, 2])] for row in rows])
+
+    def heights(displaced: np.ndarray) -> np.ndarray:
+        near, middle, far = rest[nodes] + displaced
+        along = (far - near) / np.linalg.norm(far - near, axis=1)[:, None]
+        return np.asarray(np.cross(along, middle - near)[:, 2])
+
+    model = touching(rod).displacement([*PULLED, np.inf], rest[nodes].reshape(-1, 3)).reshape(*nodes.shape, 3)
+    ours, theirs = heights(model), heights(finer.problem.displacement.reshape(-1, 3)[nodes])
+    return {"rod": ours.mean(), "finer": theirs.mean(), "difference": float(np.abs(ours - theirs).max())}
 
 
 def measure(run: Run) -> dict[str, Any]:
