@@ -187,91 +187,121 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     }
 }
 
-void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force_of,
-                   double (*change)[SLICE_INPUTS])
+/* A force f, along the normal or not, at contact k of a slice: what its changes need, all in space. */
+typedef struct {
+    beam here;
+    double x[3], n[3], f[3], f_seen[3], couple[3], g[SLICE_ENDS][3]; /* seen from the slice, too */
+} pressed_beam;
+
+static void press_on(const rubber_slice *slice, const placed *at, int k, const double *force, pressed_beam *found)
+{
+    double local[3];
+    found->here = beam_at(slice, at->contacts.points[k][0]);
+    contact_in_space(slice, &at->contacts, k, found->x, found->n);
+    memcpy(found->f, force ? force : found->n, sizeof found->f);
+    arms_to(slice, &at->chain, &found->here, found->x, found->g);
+    objects_turned_back(slice->rotation, found->f, found->f_seen);
+    couple_of(slice, at->contacts.names[k], at->contacts.points[k], found->f_seen, local);
+    slice_turned(slice->rotation, local, found->couple);
+}
+
+/* Changes of the wrenches of both ends, (2, 6), in space, as the slice moves along, or turns about, one of its axes between ends that stay;
+ * `slid`, (6), is how the point slides and how the normal changes, seen from the slice. */
+static void change_with(const rubber_slice *slice, const placed *at, int k, const pressed_beam *own, int m, const double *slid, double (*found)[W])
+{
+    const double *s = slice->ends[0], *t = slice->ends[1], *f = own->f, *n = own->n;
+    double v[3] = {0.0}, turn[3] = {0.0}, dp[3], dn[3], df[3], dx[3], arm[3], by_turn[3], df_seen[3], by_point[3], by_force[3], dc[3];
+    for (int i = 0; i < 3; i++) (m < 3 ? v : turn)[i] = slice->rotation[3 * i + m % 3];
+    /* slide dp of the point, and change dn of the normal: as seen from the slice, plus its turn */
+    slice_turned(slice->rotation, slid, dp);
+    slice_turned(slice->rotation, slid + 3, dn);
+    objects_cross(turn, n, by_turn);
+    for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
+    /* the force turns with the normal: df = (f . n) dn - (f . dn) n; the point moves by dx */
+    for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
+    for (int i = 0; i < 3; i++) arm[i] = own->x[i] - slice->centre[i];
+    objects_cross(turn, arm, by_turn);
+    for (int i = 0; i < 3; i++) dx[i] = v[i] + by_turn[i] + dp[i];
+    /* change dc of the couple: by the force and by the point, both seen from the slice, and by its turn */
+    objects_cross(turn, f, by_turn);
+    for (int i = 0; i < 3; i++) by_turn[i] = df[i] - by_turn[i];
+    objects_turned_back(slice->rotation, by_turn, df_seen);
+    couple_of(slice, at->contacts.names[k], at->contacts.points[k], df_seen, by_force);
+    couple_change(slice, at->contacts.names[k], at->contacts.points[k], slid, own->f_seen, by_point);
+    for (int i = 0; i < 3; i++) by_force[i] += by_point[i];
+    slice_turned(slice->rotation, by_force, dc);
+    objects_cross(turn, own->couple, by_turn);
+    for (int i = 0; i < 3; i++) dc[i] += by_turn[i];
+    /* da: change of the share as the point slides along the element */
+    const double da = slid[0] / slice->length;
+    for (int end = 0; end < SLICE_ENDS; end++) {
+        const double *c = at->chain.bodies[slice->bodies[end]].centre, sign = end ? -1.0 : 1.0, N = own->here.n[end], dN = own->here.dn[end] * da;
+        double dg[3], one[3], two[3];
+        for (int i = 0; i < 3; i++) {
+            /* dg, with m and dm = da (s_1 - s_2), and d(N f) = dN f + N df */
+            const double middle = own->here.share * s[i] + (1.0 - own->here.share) * t[i];
+            dg[i] = dN * (own->x[i] - middle + slice->ends[end][i] - c[i]) + N * (dx[i] - da * (s[i] - t[i])) +
+                    sign * own->here.du[end] * da * (t[i] - s[i]);
+            found[end][i] = dN * f[i] + N * df[i];
+        }
+        /* d(g x f +- couple) = dg x f + g x df +- dc */
+        objects_cross(dg, f, one);
+        objects_cross(own->g[end], df, two);
+        for (int i = 0; i < 3; i++) found[end][3 + i] = one[i] + two[i] + sign * dc[i];
+    }
+}
+
+void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force, double (*change)[SLICE_INPUTS])
 {
     const rubber_slice *slice = placed_slice_of(at, k);
-    const objects_contacts *contacts = &at->contacts;
-    const double *s = slice->ends[0], *t = slice->ends[1];
-    const beam here = beam_at(slice, contacts->points[k][0]), middle = beam_at(slice, 0.0);
-    double x[3], n[3], f[3], f_seen[3], own_couple[3], couple[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
-    /* point x, force f, arms g and the couple, in space; `centres` are the arms of the slice's centre */
-    contact_in_space(slice, contacts, k, x, n);
-    memcpy(f, force_of ? force_of : n, sizeof f);
-    arms_to(slice, &at->chain, &here, x, g);
+    const int object = at->contacts.objects[k];
+    const beam middle = beam_at(slice, 0.0);
+    double centres[SLICE_ENDS][3], from[W][W], by_slice[W][SLICE_ENDS][W];
+    pressed_beam own;
+    /* by motions of the slice; `centres` are the arms of its centre */
+    press_on(slice, at, k, force, &own);
     arms_to(slice, &at->chain, &middle, slice->centre, centres);
-    objects_turned_back(slice->rotation, f, f_seen);
-    couple_of(slice, contacts->names[k], contacts->points[k], f_seen, own_couple);
-    slice_turned(slice->rotation, own_couple, couple);
-    slice_sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
+    slice_sliding(slice, contact_object(problem, object), d + problem->ahead[object], &at->contacts, k, from);
+    for (int m = 0; m < W; m++) {
+        double slid[W];
+        for (int i = 0; i < W; i++) slid[i] = from[i][m];
+        change_with(slice, at, k, &own, m, slid, by_slice[m]);
+    }
     for (int column = 0; column < SLICE_INPUTS; column++) {
         const int moving = column / W;
-        const chain_body *mover = at->chain.bodies + slice->bodies[moving];
-        double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W], dp[3], dn[3], df[3], dx[3], arm[3], by_turn[3], local[W] = {0.0};
+        double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W];
         /* unit motion of one end's body moves the slice by N v + t x g and turns it by N t, at its middle */
-        moved_by(slice, mover, moving, column % W, v, turn, ds);
+        moved_by(slice, at->chain.bodies + slice->bodies[moving], moving, column % W, v, turn, ds);
         objects_cross(turn, centres[moving], slice_v);
         for (int i = 0; i < 3; i++) {
             slice_v[i] += middle.n[moving] * v[i];
             slice_t[i] = middle.n[moving] * turn[i];
         }
-        /* slide dp of the point, and change dn of the normal: as seen from the slice, plus its turn */
         objects_turned_back(slice->rotation, slice_v, seen);
         objects_turned_back(slice->rotation, slice_t, seen + 3);
-        for (int i = 0; i < W; i++)
-            for (int m = 0; m < W; m++) local[i] += from[i][m] * seen[m];
-        slice_turned(slice->rotation, local, dp);
-        slice_turned(slice->rotation, local + 3, dn);
-        objects_cross(slice_t, n, by_turn);
-        for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
-        /* the force turns with the normal: df = (f . n) dn - (f . dn) n; the point moves by dx */
-        for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
-        for (int i = 0; i < 3; i++) arm[i] = x[i] - slice->centre[i];
-        objects_cross(slice_t, arm, by_turn);
-        for (int i = 0; i < 3; i++) dx[i] = slice_v[i] + by_turn[i] + dp[i];
-        double df_seen[3], by_point[3], by_force[3], dc[3];
-        /* change dc of the couple: by the force and by the point, both seen from the slice, and by its turn */
-        objects_cross(slice_t, f, by_turn);
-        for (int i = 0; i < 3; i++) by_turn[i] = df[i] - by_turn[i];
-        objects_turned_back(slice->rotation, by_turn, df_seen);
-        couple_of(slice, contacts->names[k], contacts->points[k], df_seen, by_force);
-        couple_change(slice, contacts->names[k], contacts->points[k], local, f_seen, by_point);
-        for (int i = 0; i < 3; i++) by_force[i] += by_point[i];
-        slice_turned(slice->rotation, by_force, dc);
-        objects_cross(slice_t, couple, by_turn);
-        for (int i = 0; i < 3; i++) dc[i] += by_turn[i];
-        /* da: change of the share as the point slides along the element */
-        const double da = local[0] / slice->length;
         for (int end = 0; end < SLICE_ENDS; end++) {
-            const chain_body *body = at->chain.bodies + slice->bodies[end];
-            const double own = end == moving, sign = end ? -1.0 : 1.0, share = moving ? 1.0 - here.share : here.share;
-            double force[3], moment[3], dg[3], one[3], two[3];
-            for (int i = 0; i < 3; i++) {
-                /* m and its change dm; then dg, and d(N f) = dN f + N df, for this end */
-                const double m = here.share * s[i] + (1.0 - here.share) * t[i], dm = da * (s[i] - t[i]) + share * ds[i];
-                dg[i] = here.dn[end] * da * (x[i] - m + slice->ends[end][i] - body->centre[i]) +
-                        here.n[end] * (dx[i] - dm + own * (ds[i] - v[i])) +
-                        sign * (here.du[end] * da * (t[i] - s[i]) + here.u[end] * (moving ? ds[i] : -ds[i]));
-                force[i] = here.dn[end] * da * f[i] + here.n[end] * df[i];
-            }
-            /* d(g x f +- couple) = dg x f + g x df +- dc */
-            objects_cross(dg, f, one);
-            objects_cross(g[end], df, two);
-            for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i] + sign * dc[i];
-            if (own) {
+            const double *rotation = at->chain.bodies[slice->bodies[end]].rotation, sign = end ? -1.0 : 1.0, N = own.here.n[end];
+            const double share = moving ? 1.0 - own.here.share : own.here.share, along = sign * own.here.u[end] * (moving ? 1.0 : -1.0) - N * share;
+            double wrench[W] = {0.0}, dg[3], one[3], row[W];
+            for (int m = 0; m < W; m++)
+                for (int i = 0; i < W; i++) wrench[i] += by_slice[m][end][i] * seen[m];
+            /* dg, as the section of the moving end moves by ds, and the body of this one by v */
+            for (int i = 0; i < 3; i++) dg[i] = along * ds[i] + (end == moving ? N * (ds[i] - v[i]) : 0.0);
+            objects_cross(dg, own.f, one);
+            for (int i = 0; i < 3; i++) wrench[3 + i] += one[i];
+            if (end == moving) {
                 /* the end's own frame turns by t: minus t x (N f) and t x (g x f +- couple) */
                 double back[3];
-                objects_cross(turn, f, back);
-                for (int i = 0; i < 3; i++) force[i] -= here.n[end] * back[i];
-                objects_cross(g[end], f, one);
-                for (int i = 0; i < 3; i++) one[i] += sign * couple[i];
+                objects_cross(turn, own.f, back);
+                for (int i = 0; i < 3; i++) wrench[i] -= N * back[i];
+                objects_cross(own.g[end], own.f, one);
+                for (int i = 0; i < 3; i++) one[i] += sign * own.couple[i];
                 objects_cross(turn, one, back);
-                for (int i = 0; i < 3; i++) moment[i] -= back[i];
+                for (int i = 0; i < 3; i++) wrench[3 + i] -= back[i];
             }
             /* column of the result, in the frame of this end's body */
-            double row[W];
-            objects_turned_back(body->rotation, force, row);
-            objects_turned_back(body->rotation, moment, row + 3);
+            objects_turned_back(rotation, wrench, row);
+            objects_turned_back(rotation, wrench + 3, row + 3);
             for (int i = 0; i < W; i++) change[W * end + i][column] = row[i];
         }
     }
