@@ -10,7 +10,7 @@
  *     v' = ((1 - mean_mass) a + mean_mass a_0 - mean_force v'_0) / (1 - mean_force).
  *
  * With the mass of elements between their sections accelerations of bodies next to each other come in too: F, M above are -M V' and
- * the terms of om, with the mass matrix M of all bodies, see rom/rod/motion/mass.py.
+ * the terms of om, with the mass matrix M of all bodies, see inertia_mass.c.
  *
  * The method remembers a, and would push a body that an object leaves. So the wrench r of contact is no part of a and v', but
  * acts in each step alone (as in Kane, Repetto, Ortiz and Marsden, Comput. Methods Appl. Mech. Eng. 180, 1999):
@@ -22,7 +22,6 @@
  * contacts keep no velocity along their normals n, as in an impact without a rebound: v -= W (W^T W / M)^-1 W^T v / M.
  */
 #include "inertia.h"
-#include "../linear_algebra/small.h"
 
 enum { PLACE = 0, TURN = 3, VELOCITY = 12, CHANGE = 18, MEAN = 24 }; /* of a body's FINGERFEM_MOVING numbers: p, R, v, v', a */
 
