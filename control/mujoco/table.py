@@ -96,11 +96,20 @@ def table(
 
 def tip_height(gripper: Gripper, rod: Rod, radius: float) -> float:
     """Distance from the palm down to the plate of a free finger that touches a face at a radius [m]."""
+    return closing_at(gripper, rod, radius)[1]
+
+
+def closing_at(gripper: Gripper, rod: Rod, radius: float) -> tuple[float, float, float]:
+    """Lead tension of a free finger at a radius [N]; distances from the palm down to its inner edge and its end [m]."""
     finger, lead = gripper.fingers[0], gripper.model.lead
-    tensions, half, edges = np.zeros(len(rod.names)), rod.half_lengths, []
-    for tension in np.linspace(finger.lower[lead], finger.upper[lead], 200):
+    tensions, half = np.zeros(len(rod.names)), rod.half_lengths
+    leads, edges, ends = np.linspace(finger.lower[lead], finger.upper[lead], 200), list[np.ndarray](), list[float]()
+    for tension in leads:
         tensions[lead] = tension
         placed = rod.place(tensions)
-        edges.append(placed.centres[-1] + placed.rotations[-1] @ [half[0], half[1], 0.0])
+        inner, outer = (placed.centres[-1] + placed.rotations[-1] @ [half[0], y, 0.0] for y in (half[1], -half[1]))
+        edges.append(inner)
+        ends.append(max(inner[0], outer[0]))
     x, y, _ = np.transpose(edges)
-    return float(np.interp(gripper.radius - radius + half[1], y, x))
+    at = gripper.radius - radius + half[1]
+    return float(np.interp(at, y, leads)), float(np.interp(at, y, x)), float(np.interp(at, y, ends))

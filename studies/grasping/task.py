@@ -16,14 +16,17 @@ from control.mujoco import MujocoPlant, Simulation, plants
 from control.mujoco.layouts import FINGERS, best_layout
 from control.mujoco.resting import at_rest
 from control.mujoco.solids import POSE_ERROR, Solid, random_error, random_solid
-from control.mujoco.table import STEP, table
+from control.mujoco.table import STEP, table, tip_height
 from rom import TouchedSegment
+from studies.grasping.approach import Approach, yield_to
 from studies.grasping.closing import GENTLY, SQUEEZE, Closing
 
 PERIOD = 0.005  # of the controllers [s]
 MOTOR = 200.0  # [N/s], most that a tension changes
 SETTLING = 0.05  # of a finger that rings [s]
 TOLERANCE = 0.15  # of held forces: a free object balances them among fingers as it likes [-]
+# Errors of the gripper's position once it has felt the table and yielded, along x, y, z, that a plan includes [m].
+FOUND = (0.0015, 0.0015, 0.001)
 MARGIN = 0.2  # that forces may be off before anything is dropped or crushed [-]
 CRUSHING = 0.02  # [s]: blows of rigid bodies that are shorter crush nothing
 CLOSING = 6.0  # [s], at most
@@ -77,6 +80,10 @@ class Watch:
         self.forces.append(self.simulation.contact_forces())
         lately = self.forces[-round(CRUSHING / PERIOD) :]
         self.hardest = max(self.hardest, float(np.mean(lately, axis=0).max()))
+        self.show()
+
+    def show(self) -> None:
+        """Call what looks."""
         for one in self.looks:
             one(self.simulation)
 
@@ -87,7 +94,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     It is refused (before anything moves: no contact force would neither drop nor crush the solid), let go (before the
     solid is lifted), held, dropped, or crushed.
     """
-    gripper, solid, turn, wanted = best_layout(model, one.solid, Limits(rate=MOTOR), MARGIN)
+    gripper, solid, turn, wanted = best_layout(model, replace(one.solid, uncertain=FOUND), Limits(rate=MOTOR), MARGIN)
     row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
     row |= {"number": one.number, "fingers": len(gripper.fingers), "room": wanted.most / wanted.least}
     row |= {"bound": max(FINGERS) * solid.capacity * solid.admissible_force / (solid.mass * GRAVITY)}
@@ -103,7 +110,14 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
         return row | {"fate": "refused", "reason": reason}
     one = replace(one, solid=solid)
     watch = Watch(table(gripper, model.rod, solid, one.error, turn, STEP), looks or [])
-    row |= perform(gripper, one, wanted.contact_forces, watch)
+    driven = plants(watch.simulation, PERIOD, one.flaws, one.number)
+    palm = solid.grasped + tip_height(gripper, model.rod, solid.radius)
+    approach = Approach(gripper, model.rod, watch.simulation, driven, PERIOD, palm, watch.show)
+    approach.begin()
+    approach.feel_table(least_felt(one))
+    row |= {"table_error": approach.table + float(watch.simulation.data.body("palm").xpos[2] - watch.simulation.data.joint("z").qpos[0])}
+    bent = approach.bend(solid.turned(turn).reach(gripper.directions) + POSE_ERROR, solid.radius)
+    row |= perform(gripper, one, wanted.contact_forces, driven, bent, watch)
     if watch.hardest > solid.admissible_force:
         row |= {"fate": "crushed", "reason": f"{watch.hardest:.3g} N on {solid.admissible_force:.3g} N"}
     marks = {name: bool(getattr(watch.simulation, name).any()) for name in ("left", "lost")}
@@ -115,18 +129,21 @@ def least_felt(one: Trial) -> float:
     return 1.05 * DISTINCT * max(GraspOptions().feel, 3 * one.flaws.noise)
 
 
-def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> dict[str, Any]:
+def perform(
+    gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoPlant], bent: np.ndarray, watch: Watch
+) -> dict[str, Any]:
     """The task with contact forces, shape (fingers,) [N]: its fate but for crushing, why, and times and slips."""
     simulation = watch.simulation
-    driven = plants(simulation, PERIOD, one.flaws, one.number)
-    closing = close(gripper, one, wanted, driven, watch)
-    row: dict[str, Any] = {"closing_seconds": simulation.time}
+    closing = close(gripper, one, wanted, driven, bent, watch)
+    off = simulation.data.body("object").xpos[:2] - simulation.data.body("palm").xpos[:2]
+    row: dict[str, Any] = {"closing_seconds": simulation.time, "off": float(np.linalg.norm(off)), "tilted": tilt(simulation)}
     doubt = closing.doubt or closing.failed()
     if doubt:
         return row | {"fate": "let go", "reason": doubt}
     begun, slips, first = below(simulation), {}, len(watch.forces)
+    height = float(simulation.data.ctrl[2])
     for phase, axis, aim, seconds in PHASES:
-        carry(closing.grips, driven, axis, aim, seconds, watch)
+        carry(closing.grips, driven, axis, aim + height * (axis == 2), seconds, watch)
         slips[phase] = begun - below(simulation)
         if phase == PHASES[0][0] and any(grip.done and grip.status != "converged" for grip in closing.grips):
             return row | {"fate": "let go", "reason": closing.failed(), "slips": slips}  # 3 mm above the table
@@ -134,11 +151,13 @@ def perform(gripper: Gripper, one: Trial, wanted: np.ndarray, watch: Watch) -> d
             return row | {"fate": "dropped", "reason": f"slipped when it was to {phase}", "slips": slips}
     errors = np.abs(np.array(watch.forces[first:]) / wanted - 1)
     row |= {"slips": slips, "force_error": float(np.percentile(errors, 95))}
-    put_down(closing.grips, driven, watch)
+    put_down(closing.grips, driven, height, watch)
     return row | {"fate": "held", "reason": "", "tilt": tilt(simulation)}
 
 
-def close(gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoPlant], watch: Watch) -> Closing:
+def close(
+    gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoPlant], bent: np.ndarray, watch: Watch
+) -> Closing:
     """Close until all fingers hold contact forces, shape (fingers,) [N], one has given up, or it takes too long."""
     share = max(GENTLY, least_felt(one) / float(wanted.min()))
     options = gripper.options(float(wanted.min()), one.flaws.noise, one.flaws.delay, PERIOD, TOLERANCE)
@@ -153,8 +172,14 @@ def close(gripper: Gripper, one: Trial, wanted: np.ndarray, driven: list[MujocoP
         share=share,
     )
 
+    for grip in closing.grips:
+        grip.tensions = bent.copy()
+    gently = share * float(wanted.mean())
+
     def targets(_: int) -> list[float]:
         watch.look()
+        if not closing.squeezing:
+            yield_to(gripper, closing.grips, gently, watch.simulation.data.ctrl)
         return closing.targets().tolist()
 
     while watch.simulation.time < CLOSING and not closing.ended:
@@ -175,14 +200,14 @@ def carry(grips: list[Grip], driven: list[MujocoPlant], axis: int, aim: float, s
     run(grips, driven, steps, move)
 
 
-def put_down(grips: list[Grip], driven: list[MujocoPlant], watch: Watch) -> None:
+def put_down(grips: list[Grip], driven: list[MujocoPlant], height: float, watch: Watch) -> None:
     """Go down slowly until the table is felt, a little up, and open.
 
     The tensions stay on the way: on the table what is held sticks, and whoever pulls less presses harder at first.
     """
     simulation, held = watch.simulation, np.array([grip.felt for grip in grips])
     mount, felt = simulation.data.ctrl, held
-    while mount[2] > 0 and np.abs(felt - held).max() < FELT * held.mean():
+    while mount[2] > height and np.abs(felt - held).max() < FELT * held.mean():
         mount[2] -= SLOWLY * PERIOD
         felt = np.array([plant.pull(grip.tensions) for grip, plant in zip(grips, driven, strict=True)])
         watch.look()
