@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from control.grasping.grasp_forces import Targets
-from control.grasping.gripper import Gripper, evenly_around
+from control.grasping.gripper import Gripper
 from control.model import Model
 from control.motion import Limits
 from control.mujoco.solids import POSE_ERROR, Solid
@@ -20,7 +20,8 @@ FINGERS = (2, 3, 4)  # of a gripper
 HEIGHTS = (-0.004, -0.002, 0.0, 0.002, 0.004)
 CURVED = ("sphere", "mesh")
 LOWEST = 0.0075  # height above the largest error at which tilted plates are clear of the table [m]
-PLANNED, TRIED = 3, 12  # best candidates by `Solid.room` of which contact forces are computed; at most, until some exist
+PLANNED = 3  # best candidates by `Solid.room` of which contact forces are computed
+TRIED = 12  # most of them, while none has contact forces
 
 
 @brief
@@ -48,7 +49,8 @@ class Layout(NamedTuple):
 def best_layout(model: Model, solid: Solid, limits: Limits | None = None, margin: float = 0.1) -> Layout:
     """Return the layout with the largest ratio of the forces at which a solid is crushed and dropped.
 
-    Numbers of fingers, rotations of the solid and, on curved faces, heights are compared.
+    Numbers of fingers, rotations of the solid and, on curved faces, heights are compared. Open fingers must be clear of
+    the solid, whatever the error of its position.
 
     Args:
         model: of every finger.

@@ -12,6 +12,9 @@ from control.mujoco.solids import Solid
 from rom import Rod
 
 STEP = 0.001  # [s]
+# Time constant of contacts of table and solid, in steps; MuJoCo's default of 20 ms lets a solid sink in by 0.3 mm, and
+# tip over on a small foot.
+HARD = 4
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 # Armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping of the mount's axes along and about x, y, z, for an arm
 # with a time constant of 30 ms.
@@ -31,10 +34,11 @@ SCENE = """
   </asset>
   <worldbody>
     <light type="directional" pos="0.08 -0.1 0.8" dir="-0.08 0.1 -0.8" diffuse="0.4 0.4 0.4" specular="0.2 0.2 0.2"/>
-    <geom name="table" type="plane" size="0 0 0.1" friction="1" material="table"/>
+    <geom name="table" type="plane" size="0 0 0.1" friction="1" solref="{hard} 1" material="table"/>
     <body name="object" pos="{x} {y} {z}" quat="{quat}">
       <freejoint/>
-      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" rgba="0.2 0.5 0.8 1"/>
+      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" solref="{hard} 1"
+        rgba="0.2 0.5 0.8 1"/>
     </body>
     <body name="palm" pos="0 0 {palm}" gravcomp="1">
       {joints}
@@ -77,6 +81,7 @@ def table(
     size = " ".join(map(str, solid.size))
     text = SCENE.format(
         step=step,
+        hard=HARD * step,
         asset="" if size else f'<mesh name="object" vertex="{vertices}" inertia="exact"/>',
         palm=solid.grasped + tip_height(gripper, rod, solid.radius) + error[2],
         joints=joints,

@@ -7,7 +7,8 @@ from typing import Any
 from control.mujoco.solids import SHAPES
 from rom import TouchedSegment
 from studies.cores import on_cores
-from studies.grasping.task import attempt, trial
+from studies.grasping.task import attempt
+from studies.grasping.trials import trial
 from studies.parts import Run
 
 GRASPS, CHUNK = 100, 10  # in all, and kept together
