@@ -34,6 +34,7 @@ class Hand:
         looks: called after every period.
         forces: contact forces of every period in which the gripper may touch a solid, shapes (fingers,) [N].
         hardest: the largest of them, averaged over CRUSHING [N].
+        phase: of the task, now; hardest_in: in which `hardest` was.
     """
 
     gripper: Gripper
@@ -43,6 +44,8 @@ class Hand:
     looks: list[Look]
     forces: list[np.ndarray] = field(default_factory=list, init=False)
     hardest: float = field(default=0.0, init=False)
+    phase: str = field(default="close", init=False)
+    hardest_in: str = field(default="", init=False)
 
     def __post_init__(self) -> None:
         data = self.simulation.data
@@ -68,11 +71,13 @@ class Hand:
         """Record contact forces."""
         self.forces.append(self.simulation.contact_forces())
         lately = self.forces[-round(CRUSHING / PERIOD) :]
-        self.hardest = max(self.hardest, float(np.mean(lately, axis=0).max()))
+        hard = float(np.mean(lately, axis=0).max())
+        if hard > self.hardest:
+            self.hardest, self.hardest_in = hard, self.phase
         self.show()
 
     def pull(self, tensions: np.ndarray) -> np.ndarray:
-        """Return readings after a period at tensions, shape (fingers, tensions); shape (fingers,) [N]."""
+        """Readings after a period at tensions, shape (fingers, tensions); shape (fingers,) [N]."""
         return np.array([plant.pull(own) for plant, own in zip(self.driven, tensions, strict=True)])
 
     def carry(self, grips: list[Grip], axis: int, aim: float, seconds: float) -> None:
@@ -103,6 +108,7 @@ class Hand:
 
     def open(self) -> None:
         """Open all fingers."""
+        self.phase = "open"
         self.stay(np.zeros_like(self.simulation.wanted), OPENING)
 
     def stay(self, tensions: np.ndarray, seconds: float) -> None:
@@ -112,6 +118,10 @@ class Hand:
         for _ in range(round(seconds / PERIOD)):
             self.simulation.advance(self.simulation.time + PERIOD)
             self.look()
+
+    def on_table(self) -> float:
+        """True height of the arm at which the palm is on the table [m]."""
+        return self.height - float(self.simulation.data.body("palm").xpos[2])
 
     def below(self) -> float:
         """Distance of the solid's origin below the palm's [m]."""

@@ -60,7 +60,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     if hand.hardest > solid.admissible_force:
         row |= {"fate": "crushed", "reason": f"{hand.hardest:.3g} N on {solid.admissible_force:.3g} N"}
     marks = {name: bool(getattr(hand.simulation, name).any()) for name in ("left", "lost")}
-    return row | marks | {"hardest": hand.hardest}
+    return row | marks | {"hardest": hand.hardest, "hardest_in": hand.hardest_in}
 
 
 def planned(model: TouchedSegment, one: Trial) -> Layout:
@@ -89,13 +89,15 @@ def over(model: TouchedSegment, one: Trial, layout: Layout, looks: list[Look] | 
 
 def perform(hand: Hand, one: Trial, layout: Layout) -> dict[str, Any]:
     """The task: its fate but for crushing, why, and times, errors and slips."""
-    height = approach(hand, one, layout)
+    height, table_error = approach(hand, one, layout)
     closing = close(hand, one, layout)
-    row: dict[str, Any] = {"closing_seconds": hand.simulation.time, "beside": hand.beside(), "tilted": hand.tilt()}
+    row: dict[str, Any] = {"closing_seconds": hand.simulation.time, "table_error": table_error}
+    row |= {"beside": hand.beside(), "tilted": hand.tilt()}
     doubt = closing.doubt or closing.failed()
     if not doubt:
         begun, slips, first = hand.below(), {}, len(hand.forces)
         for phase, axis, aim, seconds in PHASES:
+            hand.phase = phase
             hand.carry(closing.grips, axis, aim + height * (axis == 2), seconds)
             slips[phase] = begun - hand.below()
             if phase == PHASES[0][0]:  # 3 mm above the table
@@ -103,26 +105,28 @@ def perform(hand: Hand, one: Trial, layout: Layout) -> dict[str, Any]:
                 if doubt:
                     break
             if abs(slips[phase]) > SLIPPED:
-                return row | {"fate": "dropped", "reason": f"slipped when it was to {phase}", "slips": slips}
+                return row | {"fate": "dropped", "reason": f"slipped when the arm was to {phase}", "slips": slips}
         row |= {"slips": slips}
     if doubt:
         hand.open()
         return row | {"fate": "let go", "reason": doubt}
     errors = np.abs(np.array(hand.forces[first:]) / layout.targets.contact_forces - 1)
     row |= {"force_error": float(np.percentile(errors, 95))}
+    hand.phase = "put it down"
     hand.put_down(closing.grips, height)
     return row | {"fate": "held", "reason": "", "tilt": hand.tilt()}
 
 
-def approach(hand: Hand, one: Trial, layout: Layout) -> float:
-    """Bend the fingers beside the solid, at the height of the grasp; return the arm's height [m]."""
+def approach(hand: Hand, one: Trial, layout: Layout) -> tuple[float, float]:
+    """Bend the fingers beside the solid, at the height of the grasp; return the arm's height and its error [m]."""
     gripper, solid = layout.gripper, layout.solid
     beside = solid.turned(layout.turn).reach(gripper.directions) + POSE_ERROR
     _, plate, end = closing_at(gripper, hand.rod, solid.radius)
     longest = max(end, *(closing_at(gripper, hand.rod, one)[2] for one in np.linspace(solid.radius, beside, 5)))
-    height = feel_table(hand, one.least_felt) + max(solid.grasped + plate, longest + CLEAR)
+    felt = feel_table(hand, one.least_felt)
+    height = felt + max(solid.grasped + plate, longest + CLEAR)
     bend(hand, beside, height)
-    return height
+    return height, abs(felt - hand.on_table())
 
 
 def close(hand: Hand, one: Trial, layout: Layout) -> Closing:
