@@ -134,7 +134,7 @@ def campaign(
     sweep: Annotated[bool, typer.Option("--sweep", help="A square grid of distances and lead tensions.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Hold one force at random distances from random starts; count what came of it and how long it took."""
+    """Hold one force at random distances from random starts; count the results and measure their times."""
     from control.campaign import run as hold_all
 
     with steps() as progress:

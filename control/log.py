@@ -196,7 +196,7 @@ def _quantity(where: str, column: Heading, tendons: Sequence[str]) -> tuple[str,
         )
     if column.name not in OTHERS:
         known = ", ".join((*tendons, *OTHERS))
-        raise Refused(f"{where}: columns must be of {known}, or be ignored by name, got {column.text or 'no name'}")
+        raise Refused(f"{where}: columns must be of {known}, got {column.text or 'no name'}; --ignore leaves one out")
     return column.name, factor(where, column, OTHERS[column.name])
 
 

@@ -108,7 +108,7 @@ def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Mea
         fitted = [name for name in fitted if name not in PLACE]
     if (log.has("torque") or log.has("angle") or "pulley_radius" in fitted) and options.pulley_radius is None:
         raise ValueError(
-            f"pulley_radius must be a number [m] to fit it, or for torques or angles such as in {log.path}, got none"
+            f"pulley_radius must be a radius [m] for torques or angles in {log.path}, and to begin its fit, got none"
         )
     if "friction" in fitted and not (log.has("tension") or log.has("torque")):
         raise ValueError(f"friction must be fitted to tensions or torques, got neither in {log.path}")

@@ -39,10 +39,11 @@ class GivenPoints:
         if not found:
             raise ValueError(f"{self.file}: must have a line for each point, got none")
         for number, point in enumerate(found):
-            for name, value, (lower, upper) in zip(names, point, box, strict=True):
+            for one, value, (lower, upper) in zip(scene.parameters, point, box, strict=True):
                 if not lower <= value <= upper:
+                    allowed = f"[{lower:g}, {upper:g}] {one['unit']}"
                     raise ValueError(
-                        f"{self.file}: {name} must lie in [{lower:g}, {upper:g}], got {value:g} in point {number + 1}"
+                        f"{self.file}: {one['name']} must lie in {allowed}, got {value:g} in point {number + 1}"
                     )
         return found
 

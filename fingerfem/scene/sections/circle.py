@@ -100,6 +100,6 @@ class Ring(Round):
         most = self.diameter * (1 - 2 * THINNEST)
         if self.bore > most:
             raise ValueError(
-                f"bore must leave a wall of at least {THINNEST} diameters, be at most {most:g}, got {self.bore}"
+                f"bore must be at most {most:g} m, to leave a wall of at least {THINNEST} diameters, got {self.bore}"
             )
         return self

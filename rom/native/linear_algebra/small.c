@@ -54,6 +54,28 @@ void small_substitute(int size, int stride, const double *factors, const int *ex
     }
 }
 
+/* row -= factor other. */
+static void subtract(double factor, const double *other, double *row)
+{
+    for (int c = 0; c < SMALL_COLUMNS; c++) row[c] -= factor * other[c];
+}
+
+void small_substitute_columns(int size, int stride, const double *factors, const int *exchanged, small_columns *right)
+{
+    for (int k = 0; k < size; k++) {
+        small_columns swap;
+        memcpy(swap, right[k], sizeof swap);
+        memcpy(right[k], right[exchanged[k]], sizeof swap);
+        memcpy(right[exchanged[k]], swap, sizeof swap);
+    }
+    for (int i = 1; i < size; i++)
+        for (int j = 0; j < i; j++) subtract(factors[stride * i + j], right[j], right[i]);
+    for (int i = size - 1; i >= 0; i--) {
+        for (int j = i + 1; j < size; j++) subtract(factors[stride * i + j], right[j], right[i]);
+        for (int c = 0; c < SMALL_COLUMNS; c++) right[i][c] *= factors[stride * i + i];
+    }
+}
+
 #define SWEEPS 20      /* most sweeps of Jacobi's method, each of which squares what is off the diagonal */
 #define DIAGONAL 1e-14 /* converged: largest number off the diagonal over the largest on it [-] */
 

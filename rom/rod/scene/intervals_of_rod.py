@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rom.dataset.geometry import rubber_of
-from rom.elements.pieces import Piece
+from rom.dataset.geometry import rubber_of, sizes_of
+from rom.elements.pieces import Piece, cut
+from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.elements.transition import hindered_share
 from rom.files.checked_file import ModelError
 from rom.rod.scene.materials_of_rod import along, modulus_of
@@ -102,3 +103,29 @@ def with_materials(own: Sequence[Piece], intervals: Sequence[Interval]) -> list[
         one._replace(hindered=(hindered_share(one.modulus, before), hindered_share(one.modulus, behind)))
         for one, before, behind in zip(found, distal, proximal, strict=True)
     ]
+
+
+def pieces_of(
+    lengths: Mapping[str, tuple[float, float]], geometry: Mapping[str, Any], intervals: Sequence[Interval], parts: int
+) -> list[list[Piece]]:
+    """The elements of every segment, from its plate to its clamp.
+
+    Args:
+        lengths: shortest and longest of every kind of element [m].
+        geometry: of the finger's scene.
+        intervals: of other materials.
+        parts: into which interior elements are cut.
+
+    Raises:
+        ModelError: the elements make no segment of this length, taper or division.
+    """
+    segments, half = [], geometry["plate"] / 2
+    for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
+        rubber = TaperedRubber(begin, end, geometry["segments"][k] - end * half, half)
+        own = in_segment(intervals, geometry, k)
+        try:
+            pieces = tapered_pieces(lengths, rubber, cuts_of(own))
+        except ModelError as error:
+            raise ModelError(f"geometry.segments.{k}: {error}") from None
+        segments.append(cut(with_materials(pieces, own), parts))
+    return segments
