@@ -132,8 +132,8 @@ def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
     lines = np.unique(states.lines)
     if len(lines) < FEWEST:
         raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
-    found = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
-    return found, np.array([found[int(line)] for line in states.lines])
+    folds = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    return folds, np.array([folds[int(line)] for line in states.lines])
 
 
 def train(
