@@ -40,10 +40,10 @@ def sources() -> str:
     folders = LIBRARY.folder, CONTROL.folder, NATIVE
     files = [file for folder in folders for file in folder.rglob("*.[ch]")]
     files += [*(HERE / "src").iterdir(), *HERE.glob("package*.json"), HERE / "build.py"]
-    digest = hashlib.sha256()
+    found = hashlib.sha256()
     for file in sorted(files, key=lambda one: one.relative_to(ROOT).as_posix()):
-        digest.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
-    return digest.hexdigest()[:16]
+        found.update(file.relative_to(ROOT).as_posix().encode() + file.read_bytes())
+    return found.hexdigest()[:16]
 
 
 def webassembly() -> bytes:
