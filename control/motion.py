@@ -16,7 +16,7 @@ from rom.parameter import Parameter
 
 MEANING = {
     "converged": "converged",
-    "unreachable": "unreachable; what comes nearest",
+    "unreachable": "unreachable; these tensions come nearest",
     "out_of_domain": "out of the trained domain",
     "iteration_limit": "not converged",
 }
