@@ -121,16 +121,9 @@ def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
         SnapshotError: too few lines.
     """
     lines = np.unique(states.lines)
-<<<<<<< HEAD
     check_lines(len(lines))
-    found = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
-    return found, np.array([found[int(line)] for line in states.lines])
-=======
-    if len(lines) < FEWEST:
-        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
     folds = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
     return folds, np.array([folds[int(line)] for line in states.lines])
->>>>>>> a55badb346f8b99556329f5400975921415e1533
 
 
 def train(
