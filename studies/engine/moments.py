@@ -12,12 +12,13 @@ import mujoco
 import numpy as np
 
 from control.mujoco import Simulation, attach
-from rom import TouchedSegment
+from rom import Rod, TouchedSegment
 from studies.cores import on_cores
+from studies.engine.finger import FILE
 from studies.parts import Run
 from studies.rods.full_order import Table, rigid
 
-PLACES, SHAPES, COUNT = ("plate", "rubber"), ("sphere", "cylinder"), 6  # and moments of each place and shape
+PLACES, SHAPES, COUNT = ("plate", "rubber"), ("sphere", "cylinder"), 4  # and moments of each place and shape
 RADII = {"sphere": (0.012, 0.018), "cylinder": (0.009, 0.016)}  # [m]
 FORCES, SIDEWAYS = (0.25, 4.0), (0.0, 8.0)  # of a moment, and tension of the second tendon [N]
 OFF = 0.004  # largest distance of an object from its place [m]
@@ -43,7 +44,7 @@ def drawn(random: np.random.Generator, place: str, shape: str) -> Table:
     return own | axis | {"distance": [-0.001, 0.08], "method": "penalty"}
 
 
-def simulated(finger: TouchedSegment, table: Table, tensions: list[float]) -> float:
+def simulated(finger: Rod, table: Table, tensions: list[float]) -> float:
     """Force along y on the object at rest [N]."""
     text = SCENE.format(
         shape=table["shape"],
@@ -52,19 +53,19 @@ def simulated(finger: TouchedSegment, table: Table, tensions: list[float]) -> fl
         axis=" ".join(map(str, table.get("axis", (0.0, 0.0, 1.0)))),
     )
     spec = mujoco.MjSpec.from_string(text)
-    attached = attach(spec, finger.rod, "palm")
+    attached = attach(spec, finger, "palm")
     simulation = Simulation(spec.compile(), [attached], rate=RATE)
     simulation.pull(0, tensions)
     simulation.advance(max(tensions) / RATE + SETTLES)
     return float(sum(simulation.data.sensor(name).data[1] for name in attached.sensors))
 
 
-def moment(place: str, shape: str, seed: int) -> dict[str, Any]:
+def moment(file: str, place: str, shape: str, seed: int) -> dict[str, Any]:
     """A random object, tensions at which the rod presses on it with a random force, and this force in MuJoCo [N]."""
-    finger, random = TouchedSegment.load(), np.random.default_rng([60, seed])
+    finger, random = Rod.load(file), np.random.default_rng([60, seed])
     while True:
         table, asked = drawn(random, place, shape), float(np.exp(random.uniform(*np.log(FORCES))))
-        before = TouchedSegment(rod=finger.rod, obstacle=rigid(table))
+        before = TouchedSegment(rod=finger, obstacle=rigid(table))
         ends, sideways = [0.0, MOST], float(random.uniform(*SIDEWAYS))
         for _ in range(HALVINGS):
             middle = sum(ends) / 2
@@ -79,6 +80,7 @@ def moment(place: str, shape: str, seed: int) -> dict[str, Any]:
 
 
 def measure(run: Run) -> list[dict[str, Any]]:
-    """All moments."""
+    """All moments; the part `finger` must have trained it."""
     kinds = COUNT * [(place, shape) for place in PLACES for shape in SHAPES]
-    return on_cores(moment, [(*kind, number) for number, kind in enumerate(kinds)])
+    file = str(run.folder / FILE)
+    return on_cores(moment, [(file, *kind, number) for number, kind in enumerate(kinds)])
