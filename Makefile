@@ -95,9 +95,8 @@ wheel:
 # MuJoCo, whose pictures need EGL, and FElupe, which this package is compared with, come from PyPI.
 docs: readme .venv/ready out/peers/felupe/ready
 	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
-	$(MEASURED) python3 -m studies.runner --part engine/finger
 	OPENBLAS_NUM_THREADS=1 MUJOCO_GL=egl FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.runner \
-		--part engine/moments --part grasping/grasps --part grasping/pictures
+		--part grasping/grasps --part grasping/pictures
 	$(MEASURED) python3 -m studies.runner
 	$(MAKE) gallery
 

@@ -40,7 +40,6 @@ STUDIES = {
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
     "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
-    "engine": Study("accuracy", _same("finger", "moments", "full_order"), elsewhere=("moments",)),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
     "random_fingers": Study("appendix", _same("random_fingers")),

@@ -6,7 +6,7 @@ import pytest
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach, attach_gripper  # noqa: E402
-from rom import Sphere, TouchedSegment, friction_history  # noqa: E402
+from rom import Cylinder, Sphere, TouchedSegment, friction_history  # noqa: E402
 from rom.rod.objects.shapes import Plane, box  # noqa: E402
 
 TENSION = 40.0  # [N]
@@ -33,13 +33,46 @@ def pressed(rod, geom, options="", tension=TENSION, friction=0.0):
     spec = mujoco.MjSpec.from_string(text)
     finger = attach(spec, rod, "palm")
     simulation = Simulation(spec.compile(), [finger])
-    simulation.pull(0, [tension, 0.0])
+    simulation.pull(0, tension if np.ndim(tension) else [tension, 0.0])
     simulation.advance(0.8)
     return simulation, sum(simulation.data.sensor(one).data[1] for one in finger.sensors)
 
 
 def force(rod, obstacle, tension=TENSION):
     return float(TouchedSegment(rod=rod, obstacle=obstacle).evaluate([tension, 0.0, 0.0]).contact_force)
+
+
+def drawn(rod, random, shape, place):
+    """A random object like those of docs/grasping.md, of which cylinders lie along the finger at the plate and across
+    it at the rubber, tensions, and the force with which the rod presses [N]."""
+    while True:
+        radius, off = random.uniform(0.009, 0.018), random.uniform(-0.002, 0.002, 3)
+        centre = np.array([0.0455, 0.030, 0.0]) + off
+        if place == "rubber":
+            centre = np.array([random.uniform(0.020, 0.036), 0.005 + radius + random.uniform(0.003, 0.007), off[2]])
+        given = {"centre": tuple(centre.tolist()), "radius": radius, "direction": (0, 1, 0), "distances": (-0.02, 0.05)}
+        axis = (1.0, 0.0, 0.0) if place == "plate" else (0.0, 0.0, 1.0)
+        obstacle = Sphere(**given) if shape == "sphere" else Cylinder(**given, axis=axis)
+        model = TouchedSegment(rod=rod, obstacle=obstacle)
+        tensions = [random.uniform(15.0, 60.0), random.uniform(0.0, 8.0)]
+        answer = model.evaluate([*tensions, 0.0])
+        touched = {one.rubber for one in model.contact_forces([*tensions, 0.0])}
+        if answer.inside and 0.25 < answer.contact_force < 4 and touched == {place == "rubber"}:
+            return obstacle, tensions, float(answer.contact_force)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+@pytest.mark.parametrize("place", ["plate", "rubber"])
+def test_random_objects_are_pressed_as_the_rod_says(rod, shape, place):
+    random, off = np.random.default_rng(60), []
+    for _ in range(15):
+        obstacle, tensions, expected = drawn(rod, random, shape, place)
+        axis = " ".join(map(str, getattr(obstacle, "axis", (0, 0, 1))))
+        size = f"{obstacle.radius} {0.1 if shape == 'cylinder' else ''}"
+        geom = f'type="{shape}" size="{size}" pos="{" ".join(map(str, obstacle.centre))}" zaxis="{axis}"'
+        off.append(abs(pressed(rod, geom, 'timestep="0.001"', tensions)[1] / expected - 1))
+    assert max(off) < 0.003
 
 
 @pytest.mark.parametrize("jacobian", ["dense", "sparse"])
