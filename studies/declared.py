@@ -41,7 +41,6 @@ STUDIES = {
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
     "grasping": Study("grasping", HUNDREDS | _same("pictures"), elsewhere=(*HUNDREDS, "pictures")),
-    "engine": Study("accuracy", _same("moments", "full_order"), elsewhere=("moments",)),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
     "random_fingers": Study("appendix", _same("random_fingers")),
