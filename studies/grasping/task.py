@@ -51,7 +51,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
     row |= {"number": one.number, "fingers": len(layout.gripper.fingers), "room": layout.room}
     row |= {"bound": max(FINGERS) * solid.capacity * solid.admissible_force / (solid.mass * GRAVITY)}
-    row |= {"margin": 1 + MARGIN, "tipping": solid.tipping_force, "rolled": one.rolled}
+    row |= {"margin": 1 + MARGIN, "tipping": solid.tipping_force, "rolled": one.rolled, "planned": max(FOUND[:2])}
     refused = refusal(one, solid, wanted)
     if refused:
         return row | {"fate": "refused", "reason": refused}
