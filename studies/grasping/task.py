@@ -151,7 +151,7 @@ def close(hand: Hand, one: Trial, layout: Layout) -> Closing:
 
     def targets(_: int) -> list[float]:
         hand.look()
-        if not closing.squeezing:
+        if not all(any(name == "touch" for _, name in grip.events) for grip in closing.grips):
             yield_to(hand, closing.grips, gently)
         return closing.targets().tolist()
 
