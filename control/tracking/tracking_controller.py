@@ -21,7 +21,7 @@ from control.tracking.linearised import Linearised, linearised
 from control.tracking.observer import feedback
 from control.tracking.options import TrackingOptions
 from control.tracking.paths import across, checked_path
-from control.tracking.plan import Plan, planned, refused
+from control.tracking.plan import Plan, passing, planned, refused
 from control.tracking.refinement import refined
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.touched_segment import TouchedSegment
@@ -46,7 +46,8 @@ class TrackingController:
             it stays so after the last row.
         reason: of a refused path, in one line.
         plan: of the path, see `control.tracking.plan`.
-        events: "blind" and "sees again", by row.
+        events: "blind" and "sees again", by row. Initially, "passes in front" for every row at which the path goes
+            behind the object's surface and the planned tip does not touch it: an impact would exceed `most_force`.
 
     Args:
         model: of the finger before one object.
@@ -78,7 +79,9 @@ class TrackingController:
         self.model, rows, t = model, checked_path(path), len(model.rod.names)
         nearest, farthest = (end[-1] for end in model.limits)
         own = self.options
-        if own.distance != np.inf and (reason := beyond("distance", own.distance, nearest, farthest, "m")):
+        room = own.margin if own.most_force < np.inf else 0.0
+        ends = nearest + room, farthest - room
+        if own.distance != np.inf and (reason := beyond("distance", own.distance, *ends, "m")):
             raise ValueError(reason)
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
@@ -94,7 +97,8 @@ class TrackingController:
         self.row, self.tensions = 1, self.plan.tensions[0 if self.reason else 1].copy()
         self._inputs, self._at, self._blind = np.zeros((len(rows), 2)), 1, 0
         self._state, self._unknown, self._ended = np.zeros(len(system.a)), np.zeros(4), False
-        self._pressing, self.events = 0.0, list[tuple[int, str]]()
+        self._pressing = 0.0
+        self.events = [] if self.reason else [(row, "passes in front") for row in passing(self.plan, rows)]
 
     def _planned(self, path: np.ndarray, system: Linearised) -> Plan:
         """The plan with the fastest approach whose simulated contact forces are allowed, or the reason of the last."""
@@ -103,15 +107,12 @@ class TrackingController:
             plan = planned(self.model, path, system, options, self.limits)
             if not plan.reason:
                 plan = refined(plan, self.model, system, options, self._bounds)
-            if not plan.contact_forces.max() > options.most_force:
+            if not plan.most_force > options.most_force:
                 break
             options = replace(options, approach=SLOWER * options.approach)
         if options.friction > 0 and not plan.reason:
-            plan = plan._replace(tensions=motor_tensions(self.model, plan.tensions, options.friction, self._bounds))
-        change = self.limits.rate * options.period
-        inside = np.ones(len(path), bool)
-        reason = plan.reason or refused(plan.tensions, plan.contact_forces, inside, change, options.most_force)
-        return plan._replace(reason=reason)
+            plan = plan._replace(tensions=motor_tensions(self.model, plan, options.friction, self._bounds))
+        return plan._replace(reason=plan.reason or refused(plan, options, self.limits))
 
     @property
     def inertia(self) -> np.ndarray:
