@@ -181,6 +181,11 @@ class MovingPlant:
         self._tensions = rest[:-1]
 
     @property
+    def period(self) -> float:
+        """Time from pull to pull [s]."""
+        return self._flaws.period
+
+    @property
     def tip(self) -> np.ndarray:
         """Reading of the tip plate's centre in the clamp's frame, of the same age, shape (3,) [m]; nan before one."""
         return self._sensor.tip

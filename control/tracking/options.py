@@ -23,7 +23,8 @@ class TrackingOptions:
         noise: standard deviation of the tip's readings [m].
         drift: standard deviation of the change of the model's error in a second [m/s^0.5].
         effort: weight of the square of a correction over that of the tip's error [-].
-        correction: largest correction, as a displacement of the tip [m].
+        correction: largest correction, as a displacement of the tip [m]. A plan whose simulated tip deviates more from
+            the path is refused.
         pretension: share of the limits' range; the plan takes the tensions nearest to it [-].
         feel: contact force above which a reading counts as contact [N].
         most_force: largest contact force in the plan's simulated motion, as means over a period [N]. The plan presses

@@ -48,6 +48,11 @@ class Plan(NamedTuple):
     shares: np.ndarray
     reason: str
 
+    @property
+    def deviation(self) -> float:
+        """Largest distance of the goals from the tips [m]."""
+        return float(np.linalg.norm(self.goals - self.tips, axis=1).max())
+
 
 def differences(path: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and accelerations at rows, shapes (n, 2) [m/s, m/s^2], of a path that starts at rest and continues."""
@@ -90,7 +95,7 @@ def planned(
         shares=shares,
         reason=_unreached(goals, missed, bounds) or _outside(tensions, pressed.inside),
     )
-    return plan._replace(reason=plan.reason or refused(plan, options, limits))
+    return plan if plan.reason else plan._replace(reason=refused(plan, options, limits))
 
 
 def passing(plan: Plan, path: np.ndarray) -> list[int]:
@@ -126,13 +131,19 @@ def _outside(tensions: np.ndarray, inside: np.ndarray) -> str:
 
 
 def refused(plan: Plan, options: TrackingOptions, limits: Limits) -> str:
-    """Return the reason to refuse a plan's rate of tensions or its force; empty if they are accepted."""
+    """Return the reason to refuse a plan's rate of tensions, deviation or force; empty if they are accepted."""
     changes, change = np.abs(np.diff(plan.tensions, axis=0)).max(axis=1), limits.rate * options.period
     k = int(np.argmax(changes))
     if changes[k] > change:
         return (
             f"path row {k + 1} must be reached with limits.rate, by {change:g} N a period, but needs "
             f"{changes[k]:.3g} N: slow the path"
+        )
+    if plan.deviation > options.correction:
+        k = int(np.argmax(np.linalg.norm(plan.goals - plan.tips, axis=1)))
+        return (
+            f"path row {k} must be followed within options.correction, {options.correction:g} m, got a simulated "
+            f"distance of {plan.deviation:.3g} m: slow or smooth the path"
         )
     if plan.most_force > options.most_force:
         return (

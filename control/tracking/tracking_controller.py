@@ -15,18 +15,17 @@ from numpy.typing import ArrayLike
 
 from control.motion import Limits
 from control.outcomes import beyond
-from control.tracking.guides import motor_tensions
+from control.tracking.guides import compensated
 from control.tracking.inverse import resting
 from control.tracking.linearised import Linearised, linearised
 from control.tracking.observer import feedback
 from control.tracking.options import TrackingOptions
-from control.tracking.paths import across, checked_path
+from control.tracking.paths import FARTHEST, across, checked_path
 from control.tracking.plan import Plan, passing, planned, refused
 from control.tracking.refinement import refined
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.touched_segment import TouchedSegment
 
-FARTHEST = 2.0  # from the axis, over the finger's length, is no tip's reading usable [-]
 APPROACHES, SLOWER = 5, 1.5  # number of approaches that are tried, and ratio of their times [-]
 SOFT = 1.0  # smallest stiffness of contact that feedback of the force uses [N/m]
 PATIENCE = 20  # periods without a usable reading before the sensor counts as failed
@@ -45,7 +44,8 @@ class TrackingController:
             "sensor_failed" after PATIENCE periods without a usable reading, while the plan continues without feedback;
             it stays so after the last row.
         reason: of a refused path, in one line.
-        plan: of the path, see `control.tracking.plan`.
+        plan: of the path, see `control.tracking.plan`; `plan.deviation` is the largest distance of its simulated tip
+            from the path, or from the surface in front of it [m].
         events: "blind" and "sees again", by row. Initially, "passes in front" for every row at which the path goes
             behind the object's surface and the planned tip does not touch it: an impact would exceed `most_force`.
 
@@ -82,7 +82,7 @@ class TrackingController:
         room = own.margin if own.most_force < np.inf else 0.0
         ends = nearest + room, farthest - room
         if own.distance != np.inf and (reason := beyond("distance", own.distance, *ends, "m")):
-            raise ValueError(reason)
+            raise ValueError(f"{reason}, with options.margin of {room:g} m")
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
         system = linearised(model, middle, own.density, own.period)
@@ -111,7 +111,7 @@ class TrackingController:
                 break
             options = replace(options, approach=SLOWER * options.approach)
         if options.friction > 0 and not plan.reason:
-            plan = plan._replace(tensions=motor_tensions(self.model, plan, options.friction, self._bounds))
+            plan = compensated(plan, self.model, options.friction, self._bounds)
         return plan._replace(reason=plan.reason or refused(plan, options, self.limits))
 
     @property
@@ -146,7 +146,7 @@ class TrackingController:
             return self.tensions.copy()
         row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
         self._press(row, felt)
-        self._observe(row, across(tip), felt)
+        self._observe(row, across(tip, FARTHEST * self.model.rod.rest[0]), felt)
         if self.row + 1 == len(self._inputs):
             self._ended, self.status = True, "done" if self.status == "moving" else self.status
             return self.tensions.copy()
@@ -184,7 +184,7 @@ class TrackingController:
 
     def _observe(self, row: int, tip: np.ndarray, felt: float) -> None:
         """Correct the estimate by a reading of an earlier row."""
-        usable = bool(self._at <= row <= self.row and np.abs(tip).max() < FARTHEST * self.model.rod.rest[0])
+        usable = bool(self._at <= row <= self.row and np.isfinite(tip).all())
         if usable and self._blind >= PATIENCE:
             self.events.append((self.row, "sees again"))
         self._blind = 0 if usable else self._blind + 1

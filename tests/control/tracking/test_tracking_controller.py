@@ -170,6 +170,12 @@ def test_readings_of_the_force_correct_it_on_a_softer_finger_before_a_nearer_pla
     assert errors[0] < 0.1 * errors[1]
 
 
+def test_friction_that_tensions_do_not_overcome_is_refused_with_the_row(finger):
+    controller = TrackingController(finger, PATH[: LAP + 20], replace(OPTIONS, friction=20.0))
+    assert controller.status == "unreachable"
+    assert re.search(r"^path row \d+ must be reached against friction of 20 by tensions from", controller.reason)
+
+
 def test_with_motor_tensions_the_tip_rests_where_the_plan_has_it_without_friction(finger, made):
     rubbing = TrackingController(finger, PATH, replace(OPTIONS, friction=0.2))
     guides = rom.GuidedFinger(model=finger.rod, friction=0.2)
@@ -241,6 +247,12 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     [
         (PATH + 0.05, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
         (PATH + 1e3, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
+        (
+            np.where(np.arange(len(PATH))[:, None] < 30, PATH, PATH + 0.004),
+            replace(OPTIONS, correction=5e-4),
+            Limits(),
+            "must be followed within options.correction, 0.0005 m, got a simulated distance of 0.00",
+        ),
         (PATH, OPTIONS, Limits(rate=100.0), "must be reached with limits.rate, by 0.5 N a period, but needs"),
     ],
 )
@@ -256,6 +268,7 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
     [
         (np.zeros((9, 3)), {}, r"path must be finite numbers \[m\] of shape \(n, 2\), got shape"),
         (PATH * np.nan, {}, "path must be finite numbers"),
+        (PATH + 1j, {}, "path must be finite numbers"),
         (PATH[:2], {}, "path must have at least three rows of y and z, got 2"),
         ("circle", {}, r"path must be finite numbers \[m\] of shape \(n, 2\), got 'circle'"),
         (PATH, {"distance": 9.0}, "distance must be from"),
