@@ -63,7 +63,7 @@ class Flaws:
             ValueError: they have friction.
         """
         if self.friction > 0:
-            raise ValueError(f"flaws.friction must be 0 without mass, see MovingPlant, got {self.friction}")
+            raise ValueError(f"flaws.friction must be 0 except in a MovingPlant, got {self.friction}")
         return self
 
 

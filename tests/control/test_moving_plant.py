@@ -49,7 +49,7 @@ def test_friction_of_the_tendons_is_that_of_the_moving_finger_and_refused_withou
             plant.pull(pulled)
         assert plants[1].state.tip == pytest.approx(own.step([*pulled, PLANE], 1e-3).tip, abs=1e-12)
     assert np.linalg.norm(plants[1].state.tip - plants[0].state.tip) > 1e-5
-    with pytest.raises(ValueError, match=r"flaws\.friction must be 0 without mass, see MovingPlant, got 0.2"):
+    with pytest.raises(ValueError, match=r"flaws\.friction must be 0 except in a MovingPlant, got 0.2"):
         SimulatedPlant(finger, PLANE, Flaws(friction=0.2))
     with pytest.raises(ValueError, match="friction must be finite and at least 0, got nan"):
         Flaws(friction=np.nan)
