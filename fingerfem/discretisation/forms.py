@@ -187,8 +187,8 @@ class ContactGroup(NamedTuple):
 def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, distance: Any) -> list[ContactGroup]:
     """The groups of facets before a body of a scene's obstacle, which `distance` [m] moves.
 
-    Plates of a scene with a round one are not among them: see `closest_points`. Those of all bodies have the same
-    measures, in the same order.
+    Plates are not among them if contact is between nodes: see `closest_points`. Those of all bodies have the
+    same measures, in the same order.
     """
     assert scene.obstacle is not None
     domain = ds.ufl_domain()
@@ -198,7 +198,7 @@ def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, di
     if scene.obstacle.method == "nitsche":
         energy = strain_energy.energy(scene.law, number)
         q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
-    if not obstacles.all_flat(obstacles.bodies(scene.obstacle, scene.geometry.shape.top)):
+    if not obstacles.touch_at_nodes(scene):
         rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(contact.POINTS[0]))
         return [ContactGroup(rubber, g, normal, curvature, fields.stiffness, q)]
     if scene.obstacle.method == "penalty":

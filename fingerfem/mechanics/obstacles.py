@@ -17,6 +17,7 @@ import ufl
 from scipy.spatial.transform import Rotation
 
 from fingerfem.scene.obstacle import Obstacle, Shape, unit
+from fingerfem.scene.scene import Scene
 
 Vector = tuple[float, ...]  # of three
 Coordinates = Any  # x, y, z: UFL scalars, or arrays of shape (n,) [m]
@@ -275,9 +276,14 @@ def bodies(obstacle: Obstacle | None, top: float) -> list[Body]:
     return [body(one, top) for one in (obstacle.bodies if obstacle else [Shape()])]
 
 
-def all_flat(bodies: list[Body]) -> bool:
-    """True if all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
-    return all(one.is_flat for one in bodies)
+def touch_at_nodes(scene: Scene) -> bool:
+    """True if a scene's bodies touch the finger at nodes: planes, and a section whose cells have straight sides.
+
+    Otherwise contact with every body is between nodes, too. A circle rolls on a plane; its nodes alone are corners.
+    """
+    section = scene.geometry.shape
+    flat = all(one.is_flat for one in bodies(scene.obstacle, section.top))
+    return flat and not (section.is_round and scene.mesh.order > 1)
 
 
 @singledispatch

@@ -34,6 +34,11 @@ UNITS = {
     "E": "Pa",
     "D1": "1/Pa",
     "tension": "N",
+    "force": "N",
+    "moment": "N m",
+    "pressure": "Pa",
+    "density": "kg/m^3",
+    "acceleration": "m/s^2",
 }
 
 
@@ -82,8 +87,9 @@ def one_line(error: ValidationError) -> str:
     if kind == "value_error" and isinstance(context["error"], ValidationError):  # of a law
         return f"{field}.{one_line(context['error'])}"
     if kind == "value_error":
-        prefix = "" if not where else f"{field}."
-        return prefix + str(context["error"])
+        rule = str(context["error"])
+        parting = " " if rule.startswith("must ") else "."  # the rule may begin with a key of the field
+        return f"{field}{parting}{rule}" if where else rule
     rules = {
         "greater_than": ("must be above {}", "gt"),
         "greater_than_equal": ("must be at least {}", "ge"),
@@ -93,6 +99,8 @@ def one_line(error: ValidationError) -> str:
     if kind in rules:
         text, key = rules[kind]
         rule = text.format(f"{context[key]:g}") + of_unit
+    elif kind == "string_pattern_mismatch":
+        rule = "must be a letter, then letters, digits and _ alone"
     elif kind == "literal_error":
         rule = f"must be {context['expected']}"
     elif kind in ("list_type", "tuple_type"):

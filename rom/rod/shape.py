@@ -51,6 +51,14 @@ class Placed:
         """Length from there to its proximal section at rest [m]."""
         return self.piece.length
 
+    @property
+    def stretch(self) -> float:
+        """Length of the rubber's axis over that at rest, as an arc of a circle [-]."""
+        centre, turned = self.proximal
+        chord = float(np.linalg.norm(self.place - self.half * self.rotation[:, 0] - centre))
+        half = float(rotation_vectors.angles(self.rotation, turned)) / 2
+        return chord / float(np.sinc(half / np.pi)) / (self.length - self.half)
+
 
 def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]:
     """The elements of a finger from clamp to tip.

@@ -11,7 +11,7 @@ from rom.brief import brief
 from rom.dataset.geometry import rubber_of
 from rom.dataset.sections.section import area
 from rom.files.checked_file import ModelError
-from rom.rod.scene.materials_of_rod import DENSEST, line_mass
+from rom.rod.scene.materials_of_rod import DENSEST, LIGHTEST, line_mass
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -55,8 +55,9 @@ def gravity_of(table: Mapping[str, Any], density: Mapping[str, Any] | None = Non
     gravity: dict[str, Any] = {"plate_density": STEEL, "acceleration": STANDARD} | dict(table)
     for name, most in (("density", DENSEST), ("plate_density", DENSEST), ("acceleration", LARGEST)):
         gravity[name] = value = _number(name, gravity[name])
-        if not 0 <= value <= most or (name == "density" and value == 0):
-            raise ModelError(f"gravity.{name} must be from 0 to {most:g}, the rubber's density above 0, got {value:g}")
+        least = LIGHTEST if name == "density" else 0.0
+        if not least <= value <= most:
+            raise ModelError(f"gravity.{name} must be from {least:g} to {most:g}, got {value:g}")
     return gravity | {"direction": _direction(table["direction"])}
 
 

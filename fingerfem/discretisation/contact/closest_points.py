@@ -1,4 +1,4 @@
-"""Springs at the closest points between the facets of stiff plates and a round obstacle.
+"""Springs at the closest points between the facets of stiff plates and an obstacle, if one of both is round.
 
 A plate of steel touches a ball at one point, which moves along the plate as the ball rolls. Springs that stand still
 would be beside it, with another normal, and Newton's method would go from one to the next. So a facet has a spring at

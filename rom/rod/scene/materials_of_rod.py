@@ -17,7 +17,7 @@ from rom.rod.scene.section_of_rod import NEAR, equal
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
 DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
 PLAIN = ("nu", "alpha")  # constants without a unit
-DENSEST = 3e4  # [kg/m^3]
+LIGHTEST, DENSEST = 10.0, 3e4  # of a rubber [kg/m^3]; lighter, it is meant in g/cm^3
 
 
 @brief
@@ -73,10 +73,9 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         if np.shape(material[key]) != (2,) or not np.isfinite(np.array(material[key], float)).all():
             raise ModelError(f"materials.{material['name']}.{key} must be two finite numbers [m], got {material[key]}")
     density = material.get("density")
-    if density is not None and not 0 < density <= DENSEST:
-        raise ModelError(
-            f"materials.{material['name']}.density must be above 0 and at most {DENSEST:g} kg/m^3, got {density}"
-        )
+    if density is not None and not LIGHTEST <= density <= DENSEST:
+        name = f"materials.{material['name']}.density"
+        raise ModelError(f"{name} must be from {LIGHTEST:g} to {DENSEST:g} kg/m^3, got {density}")
     return material
 
 

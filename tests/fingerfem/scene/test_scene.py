@@ -84,6 +84,17 @@ BROKEN = {
         'method = "nitsche"\nstiffness = 10.0',
         ["obstacle.stiffness", "at least 20", "10"],
     ),
+    "name of two words": ('name = "F2"', 'name = "F 2"', ["tendons.1.name must be a letter, then", "'F 2'"]),
+    "two powers of one": (
+        'law = "neo-hookean"\nC1 = 1.9e6',
+        'law = "ogden"\nmu = [1.9e6]\nalpha = [2.0, 4.0]',
+        ["material.alpha must have as many numbers as mu (1)", "got 2"],
+    ),
+    "density in g/cm^3": (
+        "[mesh]",
+        "[gravity]\ndensity = 1.08\ndirection = [1.0, 0.0, 0.0]\n[mesh]",
+        ["gravity.density must be at least 10 kg/m^3", "1.08"],
+    ),
     "not TOML": ("[mesh]", "[mesh", ["not a TOML file"]),
 }
 
