@@ -117,7 +117,7 @@ def _header(table: CsvTable, test: str | None) -> Header:
     modes = {mode for word, mode in NAMES.items() if re.search(rf"\b{word}\b", f"{elongation} {stress}".lower())}
     ways = [*columns["test"], *modes, *([] if test is None else [test])]
     if len(ways) != 1:
-        rule = "must name the test once: by a column test, in a column's name, or by --test"
+        rule = f"must name the test once, {', '.join(MODES)}: by a column test, in a column's name, or by --test"
         raise Refused(f"{where}: {rule}, got {len(ways)} of these")
     return Header(
         elongation=_column(where, elongation, columns["elongation"][0], STRAIN_UNITS),

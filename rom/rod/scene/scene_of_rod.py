@@ -105,7 +105,9 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
         return tables | weight
     except ModelError:
         raise
-    except (KeyError, TypeError, ValueError) as error:
+    except KeyError as error:
+        raise ModelError(f"{error.args[0]} is required in a table of the scene, and missing") from None
+    except (TypeError, ValueError) as error:
         raise ModelError(
             f"scene must have geometry, tendons and chambers as docs/reference/scene.md says, got {error!r}"
         ) from None
@@ -262,7 +264,7 @@ def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.nda
                     f"got {one['tension']}"
                 )
             return k
-    known = ", ".join(str([round(size * part, 9) for part in other["offset"]]) for other in trained)
+    known = ", ".join(str([round(float(size * part), 9) for part in other["offset"]]) for other in trained)
     raise ModelError(
         f"{name}.offset must be that of a tendon of the elements, one of {known} m at the clamp, got {one['offset']}; "
         "train elements with this one"

@@ -137,7 +137,7 @@ def test_where_no_law_is_usable_the_reason_is_printed_nothing_is_written_and_the
     ("words", "rule"),
     [
         (["none.csv"], "none.csv: No such file or directory"),
-        ([EXAMPLE, "--test", "planar"], r"material.csv, line \d+: must name the test once"),
+        ([EXAMPLE, "--test", "planar"], r"material.csv, line \d+: must name the test once, uniaxial"),
         ([EXAMPLE, "--law", "gent"], "law must be one of neo-hookean, mooney-rivlin, yeoh, ogden, got gent"),
         ([EXAMPLE, "--nu", "0.3"], "nu must be from 0.49 to 0.49999"),
         ([EXAMPLE, "--to", "1"], "to must be a stretch above 1, got 1"),

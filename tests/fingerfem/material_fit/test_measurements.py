@@ -101,8 +101,11 @@ REFUSED = {
         ["stretch [-],strain [-],stress [Pa]"],
         r"one column of a stretch or a nominal strain, got stretch \[-\], strain",
     ),
-    "no test": (["stretch [-],stress [kPa]", *GOOD], "must name the test once: by a column test, .* got 0 of these"),
-    "two tests": (["test,uniaxial stretch [-],stress [kPa]", *GOOD], "must name the test once: .* got 2 of these"),
+    "no test": (
+        ["stretch [-],stress [kPa]", *GOOD],
+        "must name the test once, uniaxial, .* got 0 of these",
+    ),
+    "two tests": (["test,uniaxial stretch [-],stress [kPa]", *GOOD], "must name the test once, .* got 2 of these"),
     "simple shear": (
         ["test,stretch [-],stress [kPa]", *(f"simple shear,{row}" for row in GOOD)],
         r"line 2: test must be uniaxial, equibiaxial, planar or pure shear \(planar\), got 'simple shear'",
