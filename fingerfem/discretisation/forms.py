@@ -143,18 +143,18 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
 def _other_actuators(scene: Scene, mesh: FingerMesh, fields: Fields) -> list[tuple[Any, Any]]:
     """Potentials of straight tendons and of chambers [J], each at the loads and at the probe."""
     x, u, degree = ufl.SpatialCoordinate(mesh.mesh), fields.u, quadrature_degree(scene.mesh.order)
-    found: list[tuple[Any, Any]] = []
+    potentials: list[tuple[Any, Any]] = []
     if any(tendon.path == "straight" for tendon in scene.tendons):
         holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
         densities = fields.tension_density, fields.probe_density
         one, other = (tendons.straight(density, x, u, fields.size) * holes for density in densities)
-        found.append((one, other))
+        potentials.append((one, other))
     if fields.pressure is not None and fields.probe_pressure is not None:
         rule = {"quadrature_degree": degree}  # exact on cells with straight edges
         wall = ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)(regions.WALL)
         volume = chambers.enclosed(x, u, ufl.FacetNormal(mesh.mesh))
-        found.append((-fields.pressure * volume * wall, -fields.probe_pressure * volume * wall))
-    return found
+        potentials.append((-fields.pressure * volume * wall, -fields.probe_pressure * volume * wall))
+    return potentials
 
 
 def surface_measure(scene: Scene, mesh: FingerMesh) -> ufl.Measure:

@@ -281,8 +281,8 @@ class Problem(Assembly):
         In free space this is the distance at which the obstacle is touched; -inf if it passes by.
         """
         places = self.surface_places()
-        found = max(float(one.touch_distance(places).max(initial=-np.inf)) for one in self.bodies)
-        return float(self.comm.allreduce(found, op=MPI.MAX))
+        farthest = max(float(one.touch_distance(places).max(initial=-np.inf)) for one in self.bodies)
+        return float(self.comm.allreduce(farthest, op=MPI.MAX))
 
     def penetration(self) -> float:
         """Largest penetration of the surface into the obstacle [m]; 0 if it is away."""
@@ -290,8 +290,8 @@ class Problem(Assembly):
             return 0.0
         places = self.surface_places().T
         gaps = [one.signed_distance(places, self.distance, obstacles.NUMPY) for one in self.bodies]
-        found = -float(self.comm.allreduce(float(np.min(gaps, initial=np.inf)), op=MPI.MIN))
-        return max(found, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
+        deepest = -float(self.comm.allreduce(float(np.min(gaps, initial=np.inf)), op=MPI.MIN))
+        return max(deepest, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
 
     def smallest_volume_ratio(self) -> float:
         """Min J that the law sees [-]: where rubber has a pressure of its own, at the points of that pressure."""

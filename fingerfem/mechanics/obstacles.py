@@ -133,10 +133,10 @@ class Plane(Body):
 
     def distance_from_centre(self, x: Coordinates, maths: Maths) -> Any:
         """Distance along the normal, n . x."""
-        found: Any = 0
+        distance: Any = 0
         for factor, value in zip(self.normal, x, strict=True):
-            found = _plus(found, factor, value, maths)
-        return found
+            distance = _plus(distance, factor, value, maths)
+        return distance
 
     def normal_from_centre(self, arms: np.ndarray) -> np.ndarray:
         """The normal."""
@@ -237,10 +237,10 @@ class Box(Body):
         """Curvature as of a sphere, in the axes along which the point is beyond the unrounded box; inside none."""
         own, beyond = self._beyond(arms)
         outwards = np.maximum(beyond, 0.0) * np.sign(own)
-        found, axes = np.zeros((len(arms), 3, 3)), np.array(self.axes)
+        curvatures, axes = np.zeros((len(arms), 3, 3)), np.array(self.axes)
         out = outwards.any(axis=1)
-        found[out] = axes.T @ _round(outwards[out], np.eye(3) * (beyond[out] > 0)[:, None]) @ axes
-        return found
+        curvatures[out] = axes.T @ _round(outwards[out], np.eye(3) * (beyond[out] > 0)[:, None]) @ axes
+        return curvatures
 
     def _beyond(self, arms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points along the box's own axes, and how far beyond it without its rounding, shapes (n, 3) [m]."""

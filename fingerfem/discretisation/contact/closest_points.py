@@ -264,6 +264,6 @@ class Facets:
 
 def _held(bend: np.ndarray, held: np.ndarray) -> np.ndarray:
     """Second derivatives by (s, t), shape (m, 2, 2), of which some are held."""
-    found = np.where(held[:, :, None] | held[:, None], 0.0, bend)
-    found[:, [0, 1], [0, 1]] += held
-    return found
+    curvatures = np.where(held[:, :, None] | held[:, None], 0.0, bend)
+    curvatures[:, [0, 1], [0, 1]] += held
+    return curvatures
