@@ -18,6 +18,7 @@ from rom.files.atomic_file import write_whole
 
 ROWS, LAST = "motion.csv", "last.npz"
 FIELDS = [one.name for one in fields(MovingState) if one.name != "time"]
+KEPT = [*FIELDS, "time", "balance", "step", "repeated", "digest"]
 ENERGIES = [one.name for one in fields(Balance)]
 EVERY = 5.0  # between times at which what the next step needs is kept [s]
 
@@ -85,8 +86,8 @@ class Records:
             return None
         try:
             with np.load(file) as found:
-                whole = {name: found[name] for name in found.files}
-        except (OSError, ValueError, zipfile.BadZipFile):
+                whole = {name: found[name] for name in KEPT}
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
             raise ValueError(f"{file} must be what this command keeps; remove it to begin anew, got another") from None
         if str(whole["digest"]) != self._digest:
             raise ValueError(f"{self._folder} must have this motion of this scene; name a new folder, got another's")
