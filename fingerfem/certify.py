@@ -41,10 +41,10 @@ class Certificate:
     @property
     def errors(self) -> dict[str, float]:
         """True errors of tip [m] and contact force [N]."""
-        found = {"tip": float(np.linalg.norm(self.answer.tip - self.tip))}
+        errors = {"tip": float(np.linalg.norm(self.answer.tip - self.tip))}
         if self.contact_force is not None:
-            found["contact_force"] = abs(float(self.answer.contact_force) - self.contact_force)
-        return found
+            errors["contact_force"] = abs(float(self.answer.contact_force) - self.contact_force)
+        return errors
 
     @property
     def covered(self) -> bool:

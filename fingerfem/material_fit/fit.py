@@ -188,12 +188,12 @@ def unchecked(name: str, table: dict[str, Any]) -> Law:
 
 def predicted(name: str, points: Points, terms: int, stable: tuple[float, float] | None) -> np.ndarray:
     """The stress of each point by a fit to those of other folds, shape (points,) [Pa]."""
-    found = np.empty(len(points.stress))
+    stresses = np.empty(len(points.stress))
     for fold in range(FOLDS):
         left_out = points.fold == fold
         law = unchecked(name, fitted(name, points.where(~left_out), terms, stable))
-        found[left_out] = stress(law, points.where(left_out))
-    return found
+        stresses[left_out] = stress(law, points.where(left_out))
+    return stresses
 
 
 def stress(law: Law, points: Points) -> np.ndarray:

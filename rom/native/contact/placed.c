@@ -59,19 +59,17 @@ static void find(const contact_problem *problem, int j, double d, int plate, pla
         if (contacts->plates[k] == plate && contacts->objects[k] == j) bend(problem, j, d, plate, k, at);
 }
 
-/* Keep the slices that have contacts, and make the missing ones of a segment, from the corners of its knots. */
-static void keep_slices(const contact_problem *problem, int segment, const double *points, placed *at)
+/* Drop slices that lost all contacts to nearer ones. */
+static void keep_slices(placed *at)
 {
     int kept = 0;
-    /* slices without contacts go */
-    for (int k = 0; k < at->slices; k++)
-        if (objects_any_of(&at->contacts, at->slice[k].number)) at->slice[kept++] = at->slice[k];
-    at->slices = kept;
-    /* slices of this segment's contacts that are not there yet */
-    for (int k = 0; k < at->contacts.count; k++) {
-        const int place = slices_place(problem->map, segment, at->contacts.plates[k]);
-        if (place >= 0 && !placed_slice_of(at, k)) slices_make(problem->map, &at->chain, segment, points, place, at->slice + at->slices++);
+    for (int s = 0; s < at->slices; s++) {
+        int any = 0;
+        for (int k = 0; k < at->contacts.count; k++)
+            if (at->contacts.slices[k] == s) at->contacts.slices[k] = kept, any = 1;
+        if (any) at->slice[kept++] = at->slice[s];
     }
+    at->slices = kept;
 }
 
 void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double close, placed *at)
@@ -82,7 +80,8 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
-        rubber_slice slice;
+        double sections[2][OUTLINE_CORNERS][3];          /* at even places, and at odd ones */
+        int places[2] = {-1, -1};
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         /* corners of the knots of near elements, and the heights of their highest ridges [m] */
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
@@ -91,20 +90,30 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
             const int e = segment->place_elements[n];
-            if (near[e] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[e]) continue;
-            slices_make(problem->map, &at->chain, q, points, n, &slice);
-            slice.dome = dome;
-            slices_find(&slice, object, d, close, &at->contacts);
+            double (*const begin)[3] = sections[n % 2], (*const end)[3] = sections[(n + 1) % 2];
+            if (near[e] != 1) continue;
+            for (int place = n; place <= n + 1; place++) {
+                if (places[place % 2] != place) rubber_between(segment, points, place, sections[place % 2]);
+                places[place % 2] = place;
+            }
+            if (slices_least_gap(begin, end, object, d) > close + highest[e]) continue;
+            if (at->slices > FINGERFEM_MOST_CONTACTS) keep_slices(at);
+            rubber_slice *slice = at->slice + at->slices;
+            slices_make(problem->map, &at->chain, q, begin, end, n, slice);
+            slice->dome = dome;
+            at->contacts.slice = at->slices;
+            const int before = at->contacts.count;
+            slices_find(slice, object, d, close, &at->contacts);
+            at->slices += at->contacts.count > before || before == FINGERFEM_MOST_CONTACTS;
         }
-        keep_slices(problem, q, points, at);
+        if (at->contacts.count == FINGERFEM_MOST_CONTACTS) keep_slices(at);
     }
 }
 
 const rubber_slice *placed_slice_of(const placed *at, int contact)
 {
-    for (int k = 0; k < at->slices; k++)
-        if (at->slice[k].number == at->contacts.plates[contact]) return at->slice + k;
-    return NULL;
+    const int k = at->contacts.slices[contact];
+    return k < 0 ? NULL : at->slice + k;
 }
 
 /* Make a section, or the ground, a body, with a zero wrench among the others; returns 0 if there is no room. */

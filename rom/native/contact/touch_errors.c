@@ -38,7 +38,7 @@ static double rubber_place(const contact_problem *problem, const contact_state *
         const double force = state->forces[k];
         if (!(force > 0.0)) continue;
         all += force;
-        if (state->at.arms[k].count > 1) sum += force * (rubber_off(problem, &state->at, k) + INDENTED * (state->at.contacts.lifts[k] + response_indentation(problem, &state->at, state->forces, k)));
+        if (state->at.arms[k].count > 1) sum += force * (rubber_off(problem, &state->at, k) + INDENTED * (state->at.contacts.lifts[k] + response_indentation(&state->at, state->forces, k)));
     }
     return all > 0.0 ? sum / all : 0.0;
 }

@@ -92,17 +92,17 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
     scene = without_square(scene)
     try:
-        found: dict[str, Any] = {
+        tables: dict[str, Any] = {
             "name": str(scene.get("name", "finger")),
             "geometry": _geometry(scene["geometry"], has_side=scene.get("section") is None),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
         }
-        found |= {} if scene.get("section") is None else {"section": scene["section"]}
-        found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
-        found |= {"materials": materials_of(scene)} if scene.get("materials") else {}
+        tables |= {} if scene.get("section") is None else {"section": scene["section"]}
+        tables |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
+        tables |= {"materials": materials_of(scene)} if scene.get("materials") else {}
         weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
-        return found | weight
+        return tables | weight
     except ModelError:
         raise
     except (KeyError, TypeError, ValueError) as error:
@@ -124,17 +124,17 @@ def _geometry(table: dict[str, Any], has_side: bool) -> dict[str, Any]:
     sizes = {name: float(table[name]) for name in ("side", "plate") if has_side or name != "side"}
     channel = table.get("channel")
     segments = [float(one) for one in table["segments"]]
-    found = sizes | {"segments": segments, "channel": None if channel is None else float(channel)}
-    for name, value in found.items():
+    geometry = sizes | {"segments": segments, "channel": None if channel is None else float(channel)}
+    for name, value in geometry.items():
         lengths: list[float] = [] if value is None else np.ravel(value).tolist()
         if not all(0 < one < np.inf for one in lengths):
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
     if table.get("taper") is None:
-        return found
+        return geometry
     taper = [float(one) for one in table["taper"]]
     if len(taper) != len(segments) or not all(0 < one < np.inf for one in taper):
         raise ModelError(f"geometry.taper must be one ratio above 0 per segment, got {taper}")
-    return found | {"taper": taper}
+    return geometry | {"taper": taper}
 
 
 def _tendon(table: dict[str, Any]) -> dict[str, Any]:
@@ -177,11 +177,11 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    found = Similarity(size, modulus, tendons, matched(trained, scene, size, moduli), intervals)
+    scaling = Similarity(size, modulus, tendons, matched(trained, scene, size, moduli), intervals)
     for segment in range(1, count + 1):
         own = size * sizes[segment - 1 : segment + 1]
-        _check_sums(trained["tendons"], scene["tendons"], found, (segment, own, moduli))
-    return found
+        _check_sums(trained["tendons"], scene["tendons"], scaling, (segment, own, moduli))
+    return scaling
 
 
 def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
@@ -205,15 +205,15 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
         for one in scene["tendons"]
     ]
     geometry = scene["geometry"] | lengths
-    found = dict(scene) | {"geometry": geometry, "tendons": tendons}
-    found["material"] = rescaled_law(scene["material"], modulus)
+    tables = dict(scene) | {"geometry": geometry, "tendons": tendons}
+    tables["material"] = rescaled_law(scene["material"], modulus)
     if scene.get("section"):
-        found["section"] = rescaled_section(scene["section"], size)
+        tables["section"] = rescaled_section(scene["section"], size)
     if scene.get("chambers"):
-        found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
+        tables["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
     if scene.get("materials"):
-        found["materials"] = [rescaled_material(one, modulus, size) for one in scene["materials"]]
-    return found
+        tables["materials"] = [rescaled_material(one, modulus, size) for one in scene["materials"]]
+    return tables
 
 
 def _trained(tension: list[float], moduli: np.ndarray, sizes: np.ndarray) -> tuple[float, float, float]:

@@ -55,7 +55,7 @@ def test_a_coarse_mesh_is_no_other_finger_and_its_own_scene_is_one(pressed):
     assert coarse.fingerprint() != plain.fingerprint()
     assert coarse.sampling.lines == 7 and coarse.sampling.store == []
     assert Scene.model_validate(coarse.model_dump()) == coarse
-    with pytest.raises(SceneError, match="coarse must name a mesh"):
+    with pytest.raises(SceneError, match="coarse must be a table"):
         plain.on_coarse_mesh()
 
 

@@ -1,0 +1,1 @@
+"""Contact forces of a finger in MuJoCo, compared with the full-order model."""
