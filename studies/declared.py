@@ -22,7 +22,7 @@ def _same(*names: str) -> dict[str, str]:
 
 
 OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
-HUNDREDS = {one: f"grasps:{one}" for one in ("first", "second", "third")}
+GRASPS = {one: f"grasps:{one}" for one in ("first", "second")}  # up to the tenth fifty
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
@@ -40,8 +40,7 @@ STUDIES = {
     "calibration": Study("accuracy", _same("states", "calibrated")),
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
-    "grasping": Study("grasping", HUNDREDS | _same("pictures"), elsewhere=(*HUNDREDS, "pictures")),
-    "engine": Study("accuracy", _same("moments", "full_order"), elsewhere=("moments",)),
+    "grasping": Study("grasping", GRASPS | _same("pictures"), elsewhere=(*GRASPS, "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
     "random_fingers": Study("appendix", _same("random_fingers")),

@@ -6,7 +6,9 @@ the gap g, its rate v, the compliance c and the normal force f, a step ends wher
 
     g + (h + t) v + c f >= 0,    f >= 0,    one of them 0.
 
-So MuJoCo's regularisation is c / (h (h + t)), and its reference acceleration -(g / (h + t) + v) / h.
+So MuJoCo's regularisation is c / (h (h + t)), and its reference acceleration -(g / (h + t) + v) / h. Along the
+surface the rubber yields by c times the change of the tangential force. If p is that of the step before, Coulomb's law
+has the slip rate v + c (f - p) / h: the regularisation is c / h^2, the reference acceleration -v / h + c p / h^2.
 """
 
 from __future__ import annotations
@@ -114,8 +116,8 @@ class RubberContacts:
         model, data, first = self._model, self._data, self._data.ncon
         clamp, chosen = rubber.bodies[0], np.flatnonzero(near.gaps[: near.found.count] < contact.includemargin)
         origin, axes = data.xpos[clamp], data.xmat[clamp].reshape(3, 3)
-        near.forces[: near.found.count] = 0.0
-        own = int(self._finger_of[contact.geom[1]] >= 0)
+        near.forces[np.flatnonzero(near.gaps[: near.found.count] >= contact.includemargin)] = 0.0
+        own, contact.dim = int(self._finger_of[contact.geom[1]] >= 0), min(contact.dim, 3)
         sign = 2 * own - 1
         places = origin + near.places[chosen] @ axes.T
         frames = near.axes[chosen] @ axes.T * np.array([[sign], [1], [sign]])
@@ -125,7 +127,7 @@ class RubberContacts:
             contact.geom1, contact.geom2 = contact.geom
             contact.pos, contact.frame, contact.dist, contact.exclude = place, frame.ravel(), gap, 0
             mujoco.mj_addContact(model, data, contact)
-        return Pair(near, chosen, rubber, first, sign, min(contact.dim, 3))
+        return Pair(near, chosen, rubber, first, sign, contact.dim)
 
     def _set_arms(self, pair: Pair) -> None:
         """Share forces between both sections of an element as the rod does: rows of the Jacobian by the distal one."""
@@ -146,18 +148,30 @@ class RubberContacts:
         data.efc_J.reshape(-1)[begins[:, :, None] + np.arange(6)] = joints[:, : pair.axes]
 
     def _set_compliance(self, pair: Pair) -> None:
-        """Regularisation and reference acceleration along the normals."""
+        """Regularisation and reference acceleration along normals and tangents."""
         data, step, rows = self._data, self._model.opt.timestep, pair.addresses(self._data)
         gaps, compliances = pair.near.gaps[pair.chosen], pair.near.compliances[pair.chosen]
         later = step + pair.rubber.attached.relaxation * (gaps < 0)
         data.efc_R[rows] = compliances / (step * later)
-        data.efc_D[rows] = 1 / data.efc_R[rows]
         data.efc_aref[rows] = -(gaps / later + data.efc_vel[rows]) / step
-        for k, row in enumerate(rows if pair.axes > 1 else ()):
-            contact = data.contact[pair.first + k]
-            contact.mu = contact.friction[0] * np.sqrt(data.efc_R[row + 1] / data.efc_R[row])
+        if pair.axes > 1:
+            friction = data.contact[pair.first].friction
+            before = np.einsum("kai,ki->ka", pair.near.axes[pair.chosen], pair.near.forces[pair.chosen])
+            before[:, 1] *= pair.sign
+            for axis in (1, 2):
+                # MuJoCo asks for the same regularisation times squared friction along both tangents
+                along, share = rows + axis, (friction[0] / friction[axis - 1]) ** 2
+                data.efc_R[along] = share * compliances / step**2
+                data.efc_aref[along] = -data.efc_vel[along] / step + data.efc_R[along] * before[:, axis]
+            for k, ratio in enumerate(np.sqrt(data.efc_R[rows + 1] / data.efc_R[rows]).tolist()):
+                data.contact[pair.first + k].mu = friction[0] * ratio
+        own = rows[:, None] + np.arange(pair.axes)
+        data.efc_D[own] = 1 / data.efc_R[own]
 
     def note(self) -> None:
         """Note the forces of a step, about which contacts of the next one are linearised."""
         for pair in self._pairs:
-            pair.near.forces[pair.chosen] = self._data.efc_force[pair.addresses(self._data)]
+            forces = np.zeros((len(pair.chosen), 3))
+            forces[:, : pair.axes] = self._data.efc_force[pair.addresses(self._data)[:, None] + np.arange(pair.axes)]
+            forces[:, 1] *= pair.sign
+            pair.near.forces[pair.chosen] = np.einsum("ka,kai->ki", forces, pair.near.axes[pair.chosen])

@@ -51,7 +51,8 @@ class Near:
         self.found = LIBRARY.ffi.new("fingerfem_engine_contacts *")
         self.sections, self.places = self._array("sections", np.int32), self._array("places").reshape(-1, 3)
         self.axes, self.arms = self._array("axes").reshape(-1, 3, 3), self._array("arms").reshape(-1, 3, 6)
-        self.gaps, self.compliances, self.forces = map(self._array, ("gaps", "compliances", "forces"))
+        self.gaps, self.compliances = map(self._array, ("gaps", "compliances"))
+        self.forces = self._array("forces").reshape(-1, 3)
 
     def _array(self, name: str, kind: type = float) -> np.ndarray:
         """A field of the struct of contacts."""

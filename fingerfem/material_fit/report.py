@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fingerfem.material_fit.fit import WIDEST, Comparison, Errors, Fit
+from fingerfem.material_fit.fit import WIDEST, WORST, Comparison, Errors, Fit
 from fingerfem.material_fit.measurements import Measurement
 from fingerfem.scene.laws import Law
 from fingerfem.scene.toml_file import UNITS
@@ -56,7 +56,8 @@ def constants(law: Law) -> str:
             continue
         unit = UNITS.get(name, "")
         each = value if isinstance(value, list) else [value]
-        text = ", ".join(number(one, unit, 5) for one in each)
+        factor = shown(unit)[0]
+        text = ", ".join(f"{factor * one:.5g}" for one in each)
         words.append(f"{name} = {f'[{text}]' if isinstance(value, list) else text} {shown(unit)[1]}".rstrip())
     return "; ".join(words)
 
@@ -74,10 +75,13 @@ def lines(comparison: Comparison) -> list[str]:
     modes = [one.mode for one in comparison.measurements]
     if len(modes) == 1:
         limits.append(f"all data are {modes[0]}: to other loads, such as shear, a law only extrapolates")
+    limits += comparison.doubts
     if comparison.chosen is not None and comparison.chosen.law is not None:
         limits.append(f"D1 follows from nu = {comparison.chosen.law.poisson:.6g}, which these tests do not measure")
     else:
-        limits.append("no law is usable")
+        left_out = [one.left_out.rms for one in comparison.fits if one.left_out is not None]
+        poor = f": all are off by more than {percent(WORST)} of the peak stress" if left_out else ""
+        limits.append(f"no law is usable{poor}")
     return limits
 
 
@@ -99,6 +103,7 @@ def as_json(comparison: Comparison, file: Path) -> dict[str, Any]:
         "chosen": chosen.name if chosen else None,
         "material": chosen.law.model_dump(exclude_none=True) if chosen and chosen.law else None,
         "laws": [_law_as_json(one) for one in comparison.fits],
+        "doubts": list(comparison.doubts),
     }
 
 
@@ -139,6 +144,7 @@ def material_table(comparison: Comparison, file: Path) -> str:
     tests = [described(one) for one in comparison.measurements]
     residual = f"{percent(fit.errors.rms)} of the peak stress, {percent(fit.left_out.rms)} on points left out"
     head = [f"Fitted by python3 -m fingerfem fit-material to {name}:", *tests, f"residual (rms): {residual}"]
+    head += comparison.doubts
     rows = [
         f"{key} = {_value(value)}{_comment(key, fit.law)}"
         for key, value in fit.law.model_dump(exclude_none=True).items()

@@ -318,11 +318,12 @@ typedef struct {
     int32_t parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], sections[FINGERFEM_MOST_CONTACTS];
     double places[FINGERFEM_MOST_CONTACTS][3], axes[FINGERFEM_MOST_CONTACTS][3][3], gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS];
     double arms[FINGERFEM_MOST_CONTACTS][3][FINGERFEM_WRENCH];
-    double forces[FINGERFEM_MOST_CONTACTS]; /* [N] */
+    double forces[FINGERFEM_MOST_CONTACTS][3]; /* on the finger [N] */
 } fingerfem_engine_contacts;
 
 /* These at tensions, where the sections, from clamp to tip, have places, (sections, 3) [m], and rotations, (sections, 3, 3), in the clamp's axes,
- * and transmit wrenches, (sections, 6), in their own. `found` has the contacts of the step before, with their forces, about which new ones are linearised. */
+ * and transmit wrenches, (sections, 6), in their own. `found` has the contacts of the step before, with their forces,
+ * about which new ones are linearised: they get the forces of the same names. */
 void fingerfem_engine_find(const fingerfem_chain *chain, const fingerfem_object *object, const double *tensions, const double *places,
                            const double *rotations, const double *wrenches, double *memory, fingerfem_engine_contacts *found);
 

@@ -13,7 +13,7 @@ GOES_DOWN = 0.03  # speed before the table is felt [m/s]
 TOUCHES = 2  # readings in a row that are contact
 BENDING, LOWERING = 0.4, 0.3  # how long it takes to bend beside the solid, and to go down [s]
 BESIDE = 0.001  # distance of bent fingers from the solid [m]
-YIELDS = 0.012  # speed of the arm at the contact force at which fingers wait for each other [m/s]
+YIELDS = 0.008  # speed of the arm at the contact force at which fingers wait for each other [m/s]
 FARTHEST = 0.008  # most that the arm yields [m]
 
 
@@ -60,6 +60,8 @@ def bend(hand: Hand, reach: float, palm: float) -> None:
 
 def yield_to(hand: Hand, grips: list[Grip], gently: float) -> None:
     """Move the arm for a period to where the contact forces of its fingers balance.
+
+    It is for fingers that have not all touched yet: an arm that goes on takes their contact away.
 
     Args:
         hand: the gripper, not turned.

@@ -1,4 +1,4 @@
-"""Hundreds of grasps of random solids, and the outcome of each; every hundred is a part of the study."""
+"""Hundreds of grasps of random solids, and the outcome of each; every fifty are a part of the study."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from studies.grasping.task import attempt
 from studies.grasping.trials import trial
 from studies.parts import Run
 
-PART, CHUNK = 100, 10  # grasps of a part, and kept together
+PART, CHUNK = 50, 10  # grasps of a part, and kept together
 
 
 def grasped(number: int) -> dict[str, Any]:
@@ -27,3 +27,4 @@ def measure(run: Run, begin: int) -> list[dict[str, Any]]:
 
 
 first, second, third, fourth, fifth = (partial(measure, begin=PART * k) for k in range(5))
+sixth, seventh, eighth, ninth, tenth = (partial(measure, begin=PART * k) for k in range(5, 10))

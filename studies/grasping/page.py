@@ -52,6 +52,7 @@ def prepare(found: dict, folder: Path) -> dict:
             "median": float(np.median([row["beside"] for row in held])),
             "max": max(row["beside"] for row in held),
         },
+        "outside": sum(row["beside"] > row["planned"] for row in held),
         "slip": {"median": float(np.median(slips)), "max": max(slips)},
         "force_error": float(np.median([row["force_error"] for row in held])),
         "hardest": max(row["hardest"] / row["admissible_force"] for row in held),
@@ -61,14 +62,14 @@ def prepare(found: dict, folder: Path) -> dict:
 
 
 def why(row: dict[str, Any]) -> str:
-    """What happened to a solid that was not held, in words."""
+    """Reason for which a solid was not held, and its state, in words."""
     if row["fate"] == "crushed":
-        told = f"{row['reason']} {ALREADY.get(row['hardest_in'], 'in the phase: ' + row['hardest_in'])}"
+        reason = f"{row['reason']} {ALREADY.get(row['hardest_in'], 'in the phase: ' + row['hardest_in'])}"
     elif row["fate"] == "dropped":
-        told = row["reason"]
+        reason = row["reason"]
     else:
-        told = next(text for key, text in REASONS.items() if key in row["reason"])
-    return f"{told}; {state(row)}"
+        reason = next(text for key, text in REASONS.items() if key in row["reason"])
+    return f"{reason}; {state(row)}"
 
 
 def state(row: dict[str, Any]) -> str:

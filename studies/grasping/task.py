@@ -51,7 +51,7 @@ def attempt(model: TouchedSegment, one: Trial, looks: list[Look] | None = None) 
     row: dict[str, Any] = {name: getattr(solid, name) for name in ("shape", "mass", "friction", "admissible_force")}
     row |= {"number": one.number, "fingers": len(layout.gripper.fingers), "room": layout.room}
     row |= {"bound": max(FINGERS) * solid.capacity * solid.admissible_force / (solid.mass * GRAVITY)}
-    row |= {"margin": 1 + MARGIN, "tipping": solid.tipping_force, "rolled": one.rolled}
+    row |= {"margin": 1 + MARGIN, "tipping": solid.tipping_force, "rolled": one.rolled, "planned": max(FOUND[:2])}
     refused = refusal(one, solid, wanted)
     if refused:
         return row | {"fate": "refused", "reason": refused}
@@ -151,7 +151,7 @@ def close(hand: Hand, one: Trial, layout: Layout) -> Closing:
 
     def targets(_: int) -> list[float]:
         hand.look()
-        if not closing.squeezing:
+        if not all(any(name == "touch" for _, name in grip.events) for grip in closing.grips):
             yield_to(hand, closing.grips, gently)
         return closing.targets().tolist()
 

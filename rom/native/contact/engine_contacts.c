@@ -52,12 +52,12 @@ static void place_rods(chain_rods *map, const double *places, const double *rota
     }
 }
 
-/* The force at a contact of a list, 0 if it is not there [N]. */
-static double force_of(const fingerfem_engine_contacts *before, int part, int name)
+/* The force at a contact of a list, (3); 0 if it is not there [N]. */
+static void force_of(const fingerfem_engine_contacts *before, int part, int name, double *force)
 {
+    memset(force, 0, 3 * sizeof *force);
     for (int k = 0; k < before->count; k++)
-        if (before->parts[k] == part && before->names[k] == name) return fmax(before->forces[k], 0.0);
-    return 0.0;
+        if (before->parts[k] == part && before->names[k] == name) memcpy(force, before->forces[k], 3 * sizeof *force);
 }
 
 /* Contact k: where it is, its gap and its compliance, about forces on all contacts. */
@@ -115,6 +115,13 @@ void fingerfem_engine_find(const fingerfem_chain *chain, const fingerfem_object 
     at.contacts.count = at.slices = 0;
     placed_slices(&problem, 0, 0, SLICE_DOME, 0.0, ENGINE_NEAR * rubber_half(chain), &at);
     found->count = at.contacts.count;
-    for (int k = 0; k < found->count; k++) found->forces[k] = forces[k] = force_of(&before, at.contacts.plates[k], at.contacts.names[k]);
+    /* forces of the step before, and their parts along the normals, R n of each slice */
+    for (int k = 0; k < found->count; k++) {
+        const double *rotation = placed_slice_of(&at, k)->rotation, *n = at.contacts.wrenches[k];
+        force_of(&before, at.contacts.plates[k], at.contacts.names[k], found->forces[k]);
+        forces[k] = 0.0;
+        for (int i = 0; i < 3; i++) forces[k] += found->forces[k][i] * objects_dot(rotation + 3 * i, n);
+        forces[k] = fmax(forces[k], 0.0);
+    }
     for (int k = 0; k < found->count; k++) note(&problem, &at, forces, k, found);
 }

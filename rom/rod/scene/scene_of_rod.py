@@ -242,7 +242,7 @@ def _check_sums(
         lowest, highest, slack = _trained(one["tension"], moduli, sizes)
         if not (lowest - slack <= least and most <= highest + slack):
             names = " and ".join(each["name"] for each in passing) or "no tendon"
-            offset = [round(found.size * part, 9) for part in one["offset"]]
+            offset = np.round(found.size * np.array(one["offset"]), 9).tolist()
             raise ModelError(
                 f"tensions at offset {offset} in segment {segment} must lie in {lowest:.6g} to {highest:.6g} N, where "
                 f"the elements were trained, got {least:.6g} to {most:.6g} N of {names}"
@@ -264,7 +264,7 @@ def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.nda
                     f"got {one['tension']}"
                 )
             return k
-    known = ", ".join(str([round(float(size * part), 9) for part in other["offset"]]) for other in trained)
+    known = ", ".join(str(np.round(size * np.array(other["offset"]), 9).tolist()) for other in trained)
     raise ModelError(
         f"{name}.offset must be that of a tendon of the elements, one of {known} m at the clamp, got {one['offset']}; "
         "train elements with this one"

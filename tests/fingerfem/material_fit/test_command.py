@@ -54,7 +54,9 @@ def test_json_has_every_law_with_its_errors_and_the_chosen_one_as_a_scene_s_tabl
     code, printed, _ = command(data, "--json")
     found = json.loads(printed)
     assert code == 0 and found["chosen"] == "mooney-rivlin" and found["stretches"] == [0.25, 2.0]
-    assert set(found) == {"file", "tests", "stretches", "chosen", "material", "laws"}
+    assert (
+        set(found) == {"file", "tests", "stretches", "chosen", "material", "laws", "doubts"} and found["doubts"] == []
+    )
     assert [(one["test"], one["points"]) for one in found["tests"]] == [(mode, 60) for mode in MODES]
     assert [one["law"] for one in found["laws"]] == list(LAWS) and all(one["usable"] for one in found["laws"])
     assert pytest.approx(1e5, rel=0.01) == scene_with({"material": found["material"]}).material.C10

@@ -115,6 +115,7 @@ REFUSED = {
     "NaN": ([HEADER, *GOOD, "nan,3.0"], r"line 22: stretch must be a finite number, \[-\], got 'nan'"),
     "infinite": ([HEADER, "2.0,inf", *GOOD], r"line 2: stress must be a finite number, \[kPa\], got 'inf'"),
     "few cells": ([HEADER, *GOOD, "1.5"], "line 22: must have at least 2 cells, got 1"),
+    "decimal commas": ([HEADER, *GOOD, "1,5,3,0"], "line 22: must have 2 cells, .* got 4; decimal commas need tabs"),
     "no stretch": ([HEADER, *GOOD, "0.0,-5.0"], "line 22: stretch must be above 0.05 and below 20, got 0"),
     "negative stretch": ([HEADER, *GOOD, "-0.5,-5.0"], "line 22: stretch must be above 0.05 and below 20, got -0.5"),
     "percent as stretch": ([HEADER, "150,1.0", *GOOD], "line 2: stretch must be above 0.05 and below 20, got 150"),

@@ -91,11 +91,7 @@ WRONG = {
     "no segment": ("geometry.segments", [], "geometry.segments must be at least one and at most 8, got 0"),
     "law": ("material.law", "mooney-rivlin", "material.law must be neo-hookean, .* got mooney-rivlin"),
     "Poisson's ratio": ("material.D1", 1e-9, r"material.D1 \(with C1 = .*\) must be .*, got 1e-09"),
-    "offset": (
-        "tendons.0.offset",
-        [0.003, 0.0],
-        r"tendons.F1.offset must be that of a tendon of the elements, one of \[-?0.\d+, -?0.\d+\], \[",
-    ),
+    "offset": ("tendons.0.offset", [0.003, 0.0], r"tendons.F1.offset must be .* one of \[0.004, 0.0\], \[0.0"),
     "tension": ("tendons.1.tension", [0.0, 90.0], r"tendons.F2.tension must lie in 0 to 40 N, .* got \[0.0, 90.0\]"),
     "one place twice": (
         "tendons.1.offset",

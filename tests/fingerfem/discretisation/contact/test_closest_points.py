@@ -22,10 +22,10 @@ SHAPES = {"face": BALL, "edge": ROLLER | {"axis": [0.3, -0.3, 1.0]}, "corner": A
 RING = {
     "name": "ring",
     "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
-    "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.004},
+    "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
     "material": {"law": "neo-hookean", "E": 1e6, "nu": 0.3},
-    "tendons": [{"name": "up", "offset": [0.007, 0.0], "segment": 1, "tension": [0.0, 5.0]}],
-    "mesh": {"cells": [6, 4], "order": 2},
+    "tendons": [{"name": "up", "offset": [0.0065, 0.0], "segment": 1, "tension": [0.0, 5.0]}],
+    "mesh": {"cells": [6, 8], "order": 2, "symmetry": False},
 }
 
 
@@ -83,7 +83,7 @@ def test_a_ball_presses_a_face_where_it_is_nearest_between_all_nodes(table):
 
 
 def test_a_ring_of_curved_cells_rolls_on_a_plane():
-    """At every turn the plane presses 10 um into the plate, towards the axis. Nodes alone lie up to 80 um above it."""
+    """At every turn the plane presses 10 um deep, towards the axis: at nodes alone with levers of 0.14 radii."""
     radius, depth = 0.010, 1e-5
     scene = Scene.model_validate(RING)
     problem = FingerModel(scene).problem
@@ -94,11 +94,11 @@ def test_a_ring_of_curved_cells_rolls_on_a_plane():
     for angle in np.radians(np.linspace(-16.0, 17.0, 12)):
         turned = rest @ np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]).T
         springs = found.springs((turned - rest).ravel(), -depth)
-        assert springs.gaps.min() == pytest.approx(-depth, rel=0.02)
+        assert springs.gaps.min() == pytest.approx(-depth, rel=0.1)  # a side of 16 degrees is a parabola
         force, at = springs.forces.reshape(-1, 3), turned[springs.nodes.ravel()]
         torque = np.cross(at, force).sum(axis=0)[0]
-        assert abs(torque) < 1e-2 * radius * np.abs(force[:, 1].sum())
-    straight = Scene.model_validate(RING | {"mesh": {"cells": [6, 4]}})
+        assert abs(torque) < 2e-2 * radius * np.abs(force[:, 1].sum())
+    straight = Scene.model_validate(RING | {"mesh": {"cells": [6, 8]}})
     assert touch_at_nodes(straight) and not touch_at_nodes(scene)
 
 

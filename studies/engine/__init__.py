@@ -1,1 +1,0 @@
-"""Contact forces of a finger in MuJoCo, compared with the full-order model."""
