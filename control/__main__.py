@@ -122,8 +122,8 @@ def grasp_parts(model: Model, result: Grasp) -> list[Table | str]:
         rows.append([str(k + 1), *numbers, f"{1e3 * result.distances[k]:.3f}", result.status[k]])
     if not np.isfinite(result.radius):
         return [Table(header=header, rows=rows), f"object not found, by {len(result.history)} pulls"]
-    found = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
-    return [Table(header=header, rows=rows), f"{found}, by {len(result.history)} pulls"]
+    place = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
+    return [Table(header=header, rows=rows), f"{place}, by {len(result.history)} pulls"]
 
 
 @app.command()

@@ -125,14 +125,14 @@ class SimulatedPlant:
             ValueError: tensions or plane outside the trained box: the model cannot play such a finger.
         """
         point = np.append(np.asarray(tensions, float), self._distance)
-        found = self._model.evaluate(point)
-        if not found.inside:
+        answer = self._model.evaluate(point)
+        if not answer.inside:
             lower, upper = (end.tolist() for end in self._model.limits)
             raise ValueError(
                 f"tensions and d must lie in the trained box, {lower} to {upper}, and nothing but the plate may touch, "
                 f"got {point.tolist()}"
             )
-        self.contact_force = (1 + self._flaws.force_error) * float(found.contact_force)
+        self.contact_force = (1 + self._flaws.force_error) * float(answer.contact_force)
         felt, self.age = self._sensor.read(self.contact_force), self._sensor.age
         return felt
 

@@ -92,11 +92,11 @@ def calibrate(
     if any(name in measured.unknowns.names for name in TURN):
         starts = {**measured.unknowns.starts, **first_base(measured)}
         measured = replace(measured, unknowns=replace(measured.unknowns, starts=starts))
-    found = fit(measured, chosen.noise)
-    check_order(measured, found)
-    measured, found, beyond = within_domain(measured, found, chosen.noise)
-    measured, found, outlying = without_outliers(measured, found, chosen.noise)
-    return calibrated(measured, found, [*beyond, *outlying])
+    fitted = fit(measured, chosen.noise)
+    check_order(measured, fitted)
+    measured, fitted, beyond = within_domain(measured, fitted, chosen.noise)
+    measured, fitted, outlying = without_outliers(measured, fitted, chosen.noise)
+    return calibrated(measured, fitted, [*beyond, *outlying])
 
 
 def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Measured:

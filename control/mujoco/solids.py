@@ -40,6 +40,7 @@ class Solid:
         mass: [kg].
         friction: [-].
         admissible_force: largest contact force of one finger without crushing [N].
+        uncertain: largest errors of the gripper's position that a plan includes, along x, y, z [m]: semi-axes.
     """
 
     shape: str
@@ -50,6 +51,7 @@ class Solid:
     mass: float
     friction: float
     admissible_force: float
+    uncertain: tuple[float, float, float] = (POSE_ERROR, POSE_ERROR, POSE_ERROR)
 
     @property
     def middle(self) -> float:
@@ -90,19 +92,26 @@ class Solid:
         hull, random = ConvexHull(self.corners), np.random.default_rng(0)
         planes = np.unique(hull.equations.round(12), axis=0)  # of triangles
         normals, ends = planes[:, :3], -planes[:, 3]
-        errors = np.array([random_error(random) for _ in range(samples)])
+        errors = np.array([random_error(random) for _ in range(samples)]) / POSE_ERROR * self.uncertain
         return np.stack([_faces(normals, ends, one, errors, self.grasped) for one in directions], axis=1)
 
     def turned(self, angle: float) -> Solid:
         """Return it turned about its axis by an angle [rad]."""
         return replace(self, corners=Rotation.from_euler("z", angle).apply(self.corners))
 
-    def best_turn(self, directions: np.ndarray, angles: int = 12) -> float:
-        """Rotation relative to the fingers that leaves most room between dropping and crushing, by `room` [rad]."""
+    def turns(self, fingers: int, angles: int = 12) -> list[float]:
+        """Rotations relative to a number of fingers that differ for them [rad]."""
         if self.shape in AROUND_AXIS:
-            return 0.0
-        ways = 2 * np.pi / len(directions) * np.arange(angles) / angles
-        return max(ways.tolist(), key=lambda way: self.turned(way).room(directions))
+            return [0.0]
+        return (2 * np.pi / fingers * np.arange(angles) / angles).tolist()
+
+    def best_turn(self, directions: np.ndarray) -> float:
+        """Rotation relative to the fingers that leaves most room between dropping and crushing, by `room` [rad]."""
+        return max(self.turns(len(directions)), key=lambda way: self.turned(way).room(directions))
+
+    def reach(self, directions: np.ndarray) -> float:
+        """Largest distance of a corner from the axis, along directions of fingers, shape (fingers, 2) [m]."""
+        return float((self.corners[:, :2] @ directions.T).max())
 
     def room(self, directions: np.ndarray, samples: int = 24) -> float:
         """Estimate the ratio of the contact forces at which fingers crush or push out a solid, and drop it [-].

@@ -131,7 +131,7 @@ def _check_kind(scene: Scene) -> None:
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
         raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
     if scene.load is not None and not scene.chambers:
-        centre = section_mesh(scene.outline, scene.mesh.cells[1]).centroid
+        centre = section_mesh(scene.outline, scene.mesh.cells[1], order=scene.mesh.order).centroid
         most = OFF_AXIS * scene.geometry.side
         if np.abs(centre).max() > most:
             raise SceneError(

@@ -124,13 +124,13 @@ class Job:
         if not self.is_first:
             return {}
         self.ledger.refresh()
-        found = self.ledger.summary() | {
+        summary = self.ledger.summary() | {
             "this_rank": asdict(work),
             "seconds": time.perf_counter() - begun,
             "ranks": self.world.size,
         }
-        self._report(work, found)
-        return found
+        self._report(work, summary)
+        return summary
 
     @property
     def is_unusable(self) -> bool:

@@ -61,7 +61,7 @@ def with_modulus(table: dict[str, Any], constants: Callable[[float, float, dict[
         raise ValueError(f"E must be from {low:g} to {high:g} Pa, got {young:g}")
     if not 0 <= nu <= MOST_POISSON:
         raise ValueError(f"nu must be from 0 to {MOST_POISSON}, such as {RUBBER} of most rubbers, got {nu:g}")
-    found = constants(young / (2 + 2 * nu), young / (3 - 6 * nu), rest)
-    if double := found.keys() & rest.keys():
+    moduli = constants(young / (2 + 2 * nu), young / (3 - 6 * nu), rest)
+    if double := moduli.keys() & rest.keys():
         raise ValueError(f"{min(double)} must be left out beside {names[0]}, got {rest[min(double)]}")
-    return rest | found
+    return rest | moduli

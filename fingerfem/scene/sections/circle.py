@@ -29,6 +29,11 @@ class Round(Section):
         return 0.0
 
     @property
+    def is_round(self) -> bool:
+        """True: the border consists of circles."""
+        return True
+
+    @property
     def extents(self) -> tuple[float, float]:
         """Height along y and width along z [m]."""
         return self.diameter, self.diameter

@@ -122,8 +122,8 @@ def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
     """
     lines = np.unique(states.lines)
     check_lines(len(lines))
-    found = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
-    return found, np.array([found[int(line)] for line in states.lines])
+    folds = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    return folds, np.array([folds[int(line)] for line in states.lines])
 
 
 def train(

@@ -115,12 +115,18 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
 /* Whether objects at d are in the rubber, of bodies that were placed without it. */
 int placed_in_rubber(const contact_problem *problem, double d, placed *at);
 
+/* Add the contacts of object j at d with one plate: a prism about an outline, or a box, corrected for its bending by tensions. */
+void placed_plate(const contact_problem *problem, int j, double d, int plate, placed *at);
+
 /* Slices of rubber with gaps below `near` [m] before object j at its own d, and their contacts besides others; free, or under the
  * wrenches that the bodies were placed under last. Slices are domed along the finger by so much over their thickness [-]. */
 void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double near, placed *at);
 
 /* The slice of a contact; NULL if it is a plate's. */
 const rubber_slice *placed_slice_of(const placed *at, int contact);
+
+/* The point of contact k in space, (3) [m], and the normal there, out of the object. */
+void placed_point(const placed *at, int k, double *place, double *normal);
 
 /* How the wrenches of a unit force at contact k of a slice change, each in its body's frame, as both ends move: (2, 6), (2, 6). The
  * force, (3), is along the normal, or, unless it is NULL, along another direction in space that turns with it. */

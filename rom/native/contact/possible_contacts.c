@@ -64,18 +64,11 @@ static void note(const contact_problem *problem, const placed *at, int k, int gr
 {
     const objects_contacts *contacts = &at->contacts;
     const rubber_slice *slice = placed_slice_of(at, k);
-    const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
-    const double *rotation = slice ? slice->rotation : plate->rotation, *centre = slice ? slice->centre : plate->centre;
-    /* point x = c + R p and normal R n in space, then two tangents */
-    double p[3];
-    for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
-    for (int i = 0; i < 3; i++) {
-        found->places[k][i] = centre[i] + objects_dot(rotation + 3 * i, p);
-        found->axes[k][0][i] = objects_dot(rotation + 3 * i, contacts->wrenches[k]);
-    }
+    /* point and normal in space, then two tangents */
+    placed_point(at, k, found->places[k], found->axes[k][0]);
     across(found->axes[k][0], found->axes[k][1], found->axes[k][2]);
     /* identity, and the material point: coordinates in a slice [-], or in the plate's frame [m] */
-    memcpy(found->material[k], slice ? contacts->material[k] : p, sizeof p);
+    for (int i = 0; i < 3; i++) found->material[k][i] = slice ? contacts->material[k][i] : contacts->points[k][i] + contacts->bent[k][i];
     found->parts[k] = contacts->plates[k];
     found->names[k] = contacts->names[k];
     found->segments[k] = slice ? slice->segment : contacts->plates[k];

@@ -62,11 +62,12 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
 static int factorise(int size, contact_state *state)
 {
     for (int i = 0; i < size; i++) {
-        double *row = state->factors[i];
+        double *restrict row = state->factors[i];
         for (int j = 0; j < size; j++) row[j] = i == j;
         for (int k = 0; k < size; k++) {
             const double g = state->following[i][k], *motion = state->at.chain.bodies[k / W].motion[k % W];
-            for (int j = 0; j < size && g != 0.0; j++) row[j] -= g * motion[j];
+            if (g == 0.0) continue;
+            for (int j = 0; j < size; j++) row[j] -= g * motion[j];
         }
     }
     return small_factorise(size, CHAIN_WRENCH, state->factors[0], state->exchanged);
