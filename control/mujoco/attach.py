@@ -19,6 +19,8 @@ FAST = 2.0  # time constant of contacts over a step, MuJoCo's minimum [-]
 # MuJoCo sometimes misses contacts that overlap by micrometres. So a block is smaller by this on all sides [m], and its
 # contact margin is as large.
 MARGIN = 3e-6
+# Distance at which blocks of rubber find objects, over their half side: more than that of the rubber from them [-].
+AROUND_RUBBER = 0.2
 NEIGHBOURS = 2  # largest distance along the chain of bodies without contact with each other
 AROUND = 32  # points of an outline that is not a rectangle
 COLORS = {True: (0.2, 0.2, 0.22, 1.0), False: (0.98, 0.68, 0.52, 1.0)}  # of plates, of rubber
@@ -26,7 +28,7 @@ NET_FORCE = 3  # how MuJoCo's sensors of contact reduce several contacts to one
 
 # Independent of a model's own defaults.
 FREE = {"damping": 0.0, "stiffness": 0.0, "armature": 0.0, "frictionloss": 0.0, "limited": 0, "actfrclimited": 0}
-TOUCHES = {"contype": 1, "conaffinity": 1, "condim": 3, "priority": 0, "gap": 0.0}
+TOUCHES = {"contype": 1, "conaffinity": 1, "condim": 3, "priority": 0}
 
 
 @brief
@@ -41,7 +43,8 @@ class Attached:
         sections: names of the bodies of its other sections, from clamp to tip.
         plates: those of its plates among them.
         joints: names of the joints of every section: three slides along the axes of its parent, and a ball.
-        sensors: names of the sensors of contact force, along the world's axes [N], of the clamp and every section.
+        sensors: names of the sensors of contact force, along the world's axes [N], of the clamp and every section; a
+            contact of an element's rubber counts for the section at its distal end.
         relaxation: damping over stiffness of the rubber [s].
         density: of rubber and plates [kg/m^3].
     """
@@ -211,6 +214,7 @@ def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, mesh: str, rod: Rod, bl
     body.add_geom(
         pos=[block.begin + length / 2, 0.0, 0.0],
         margin=MARGIN,
+        gap=0.0 if block.is_plate else AROUND_RUBBER * float(np.mean(section.box)),
         mass=0.0,
         friction=[friction, 0.0, 0.0],
         **TOUCHES,

@@ -38,7 +38,7 @@ def solve(model: mujoco.MjModel, data: mujoco.MjData, contacts: np.ndarray) -> b
     share = 1.0
     for repetition in range(REPETITIONS):
         mujoco.mj_mulJacVec(model, data, accelerations, data.qacc)
-        missing = friction * (accelerations[along] - reference[along])
+        missing = friction * (accelerations[along] - reference[along] + data.efc_R[along] * forces[along])
         lifted = np.sqrt(np.einsum("ki,ki->k", missing, missing)) * (forces[normal] > 0)
         change = lifted - correction
         if np.all(np.abs(change) <= CLOSE * (np.abs(wanted) + lifted)):

@@ -25,6 +25,8 @@ class Rubber:
     """Rubber and tendons of a finger in a compiled model, by the inverse of every element's law (native/sections.h).
 
     Attributes:
+        attached: the finger.
+        positions, velocities: where coordinates and velocities of its sections begin, shape (n,).
         bodies: indices of its clamp and sections, shape (n + 1,).
         wrenches: of the elements' laws at the current poses, in the sections' frames, shape (n, 6) [N, N m].
         inside: whether elements are within their trained domain, and reach the pose, shape (n, 2).
@@ -41,9 +43,10 @@ class Rubber:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, attached: Attached):
         check(model, attached)
         self._arguments, rod, n = (model, data, attached), attached.rod, len(attached.sections)
+        self.attached = attached
         self.bodies = np.array([model.body(one).id for one in (attached.clamp, *attached.sections)])
         joints = [model.joint(one[0]).id for one in attached.joints]
-        self._positions, velocities = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        self.positions, self.velocities = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self.wrenches, self.inside = np.zeros((n, 6)), np.ones((n, 2), np.int32)
         self._held, self._trained = np.zeros((n, COORDINATES)), np.zeros((n, 3))
         self._state = {"held": self._held, "wrenches": self.wrenches, "trained": self._trained}
@@ -54,8 +57,8 @@ class Rubber:
             for one in _elements(segment):
                 pulled[len(elements), : len(own)] = own
                 elements.append(one)
-        integers = {"pulled": pulled, "positions": self._positions, "velocities": velocities}
-        integers["inertia"] = np.array([_places(model, int(one)) for one in velocities])
+        integers = {"pulled": pulled, "positions": self.positions, "velocities": self.velocities}
+        integers["inertia"] = np.array([_places(model, int(one)) for one in self.velocities])
         arrays = {name: getattr(data, name) for name in ("qpos", "qvel", "qfrc_applied", "M")} | self._state
         arrays["offsets"] = np.array([[one.length, 0.0, 0.0] for one in bodies_of(rod)[1:]])
         memory = max((memory_of(one) for one in elements), key=len)
@@ -84,7 +87,7 @@ class Rubber:
         for one in self._state.values():
             one[:] = 0.0
         qpos = self._arguments[1].qpos
-        self._held[:] = qpos[self._positions[:, None] + np.arange(COORDINATES)]
+        self._held[:] = qpos[self.positions[:, None] + np.arange(COORDINATES)]
         self._trained[:] = self._held[:, :3]
 
     def pull(self, tensions: np.ndarray, step: float) -> None:
@@ -95,7 +98,7 @@ class Rubber:
     @property
     def away(self) -> float:
         """Largest distance of a section from its last position within the trained domain [m]."""
-        slides = self._arguments[1].qpos[self._positions[:, None] + np.arange(3)]
+        slides = self._arguments[1].qpos[self.positions[:, None] + np.arange(3)]
         return float(np.linalg.norm(slides - self._trained, axis=1).max())
 
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from control.motion import for_each
 from control.mujoco.attach import FAST, Attached
+from control.mujoco.contacts import RubberContacts
 from control.mujoco.coulomb import solve
 from control.mujoco.rubber import Rubber, weigh
 
@@ -94,6 +95,7 @@ class Simulation:
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
         self.rubber = [Rubber(model, self.data, one) for one in fingers]
+        self._contacts = RubberContacts(model, self.data, self.rubber)
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
         for k, one in enumerate(self.rubber):
             self._finger_of[:-1][np.isin(model.geom_bodyid, one.bodies)] = k
@@ -121,6 +123,7 @@ class Simulation:
         self.left = np.zeros(len(self.fingers), bool)
         self.lost = np.zeros(len(self.fingers), bool)
         self.unsettled = 0
+        self._contacts.reset()
         for one in self.rubber:
             one.reset()
         mujoco.mj_forward(self.model, self.data)
@@ -139,6 +142,7 @@ class Simulation:
             if not rubber.inside.all():
                 self.left[k], self.lost[k] = True, self.lost[k] or not rubber.inside[:, 1].all()
                 self._check(self.fingers[k], rubber.away)
+        self._contacts.replace(self.tensions)
         # mj_step2, but for the inertia of a step and Coulomb's law
         mujoco.mj_factorM(model, data)
         mujoco.mj_fwdActuation(model, data)
@@ -148,6 +152,7 @@ class Simulation:
             self.unsettled += not solve(model, data, own)
         else:
             mujoco.mj_fwdConstraint(model, data)
+        self._contacts.note()
         mujoco.mj_sensorAcc(model, data)
         mujoco.mj_checkAcc(model, data)
         INTEGRATORS[model.opt.integrator](model, data)

@@ -130,6 +130,7 @@ typedef struct {
     double direction[3];  /* unit vector */
     double axis[3];       /* of a plane its normal towards the finger, of a cylinder its axis; unit vectors */
     double radius;        /* of a sphere, a cylinder, or of what rounds a hull [m] */
+    double half_length;   /* before rubber alone: of a cylinder with ends, and of the axis of a capsule, of which the ends are spheres [m]; else 0 */
     double nearest, farthest; /* of d [m] */
     /* A hull, seen from its centre: corners; edges with their ends, unit vectors along them, lengths and the faces at
      * their sides, of which the second is counterclockwise of the first about the edge; faces n . x = height, and the
@@ -307,6 +308,24 @@ void fingerfem_indent(const fingerfem_contacts *contacts, const double *forces, 
 /* Where the material points of contacts are under other tensions and loads, (contacts, 3) [m]. */
 void fingerfem_material_points(const fingerfem_chain *chain, const double *tensions, const double *loads, double *memory,
                                const fingerfem_contacts *contacts, double *points);
+
+/* Contacts of the rubber with one object, for the contact solver of a rigid-body engine, in the clamp's axes: slices of rubber (`parts`) and their
+ * corners, edges or faces (`names`); the distal sections of their elements, numbered from clamp to tip; points [m]; the normal out of the
+ * object and two tangents; gaps, and compliances, linearised about forces, by their own forces [m, m/N]; and the wrenches of unit forces along
+ * these axes on the distal section, in its frame: the rest of the force is on the section before. */
+typedef struct {
+    int32_t count, unused; /* doubles follow */
+    int32_t parts[FINGERFEM_MOST_CONTACTS], names[FINGERFEM_MOST_CONTACTS], sections[FINGERFEM_MOST_CONTACTS];
+    double places[FINGERFEM_MOST_CONTACTS][3], axes[FINGERFEM_MOST_CONTACTS][3][3], gaps[FINGERFEM_MOST_CONTACTS], compliances[FINGERFEM_MOST_CONTACTS];
+    double arms[FINGERFEM_MOST_CONTACTS][3][FINGERFEM_WRENCH];
+    double forces[FINGERFEM_MOST_CONTACTS][3]; /* on the finger [N] */
+} fingerfem_engine_contacts;
+
+/* These at tensions, where the sections, from clamp to tip, have places, (sections, 3) [m], and rotations, (sections, 3, 3), in the clamp's axes,
+ * and transmit wrenches, (sections, 6), in their own. `found` has the contacts of the step before, with their forces,
+ * about which new ones are linearised: they get the forces of the same names. */
+void fingerfem_engine_find(const fingerfem_chain *chain, const fingerfem_object *object, const double *tensions, const double *places,
+                           const double *rotations, const double *wrenches, double *memory, fingerfem_engine_contacts *found);
 
 /* Estimated errors of an answer at a point, (1 + 2 count) [m, N, m], as of `fingerfem_evaluate`; the loads are where the solve begins, and
  * what it ends with. */

@@ -87,7 +87,7 @@ static int is_long(const fingerfem_segment *segment, int k)
  * ratio a, a^(-1/4) F^(-3/2) with F = 1 - (a^0.0684 - 1)^1.531 (a fit to elliptic integrals, within 1 %; L. C. Hale, thesis, MIT 1999). */
 static double before_ball(const fingerfem_segment *segment, const fingerfem_object *object)
 {
-    if (object->shape != FINGERFEM_SPHERE || segment->vertices != 1) return 1.0;
+    if (object->shape != FINGERFEM_SPHERE || object->half_length > 0.0 || segment->vertices != 1) return 1.0;
     const double ratio = fmin(1.0 + object->radius / segment->margin, MOST_CURVED);
     const double nearer = 1.0 - pow(pow(ratio, 0.0684) - 1.0, 1.531);
     return pow(2.0 / ratio, 0.25) * pow(nearer, -1.5);

@@ -266,12 +266,17 @@ double objects_distance(const fingerfem_object *object, double d, const double *
         memcpy(normal, object->axis, sizeof(vector));
         return along;
     }
-    /* ball: gap = |r| - radius, n = r / |r|; cylinder: with r across its axis */
-    if (object->shape == FINGERFEM_CYLINDER)
-        for (int i = 0; i < 3; i++) r[i] -= along * object->axis[i];
-    const double size = sqrt(objects_dot(r, r));
+    /* ball: gap = |r| - radius, n = r / |r|; cylinder: with r across its axis; capsule: with r from its axis' nearest point */
+    const double half = object->half_length, part = object->shape == FINGERFEM_CYLINDER ? along : fmax(-half, fmin(half, along));
+    for (int i = 0; i < 3; i++) r[i] -= part * object->axis[i];
+    const double size = sqrt(objects_dot(r, r)), aside = size - object->radius, beyond = fabs(along) - half;
     for (int i = 0; i < 3; i++) normal[i] = size > 0.0 ? r[i] / size : -object->direction[i];
-    return size - object->radius;
+    if (object->shape != FINGERFEM_CYLINDER || half == 0.0 || beyond <= fmin(aside, 0.0)) return aside;
+    /* cylinder with ends: from an end's plane, or from its rim, which is `aside` and `beyond` away */
+    const double gap = aside > 0.0 ? sqrt(aside * aside + beyond * beyond) : beyond;
+    const double radial = aside > 0.0 ? aside / gap : 0.0, axial = copysign(aside > 0.0 ? beyond / gap : 1.0, along);
+    for (int i = 0; i < 3; i++) normal[i] = radial * normal[i] + axial * object->axis[i];
+    return gap;
 }
 
 /* By Newton's method from far away: the distance of a convex body is convex in d, so that no step goes past the root.

@@ -65,7 +65,7 @@ def sliding(rod: Rod, friction: float) -> dict[str, Any]:
     for k in range(round(DRAWN / DRAG / STEP)):
         data.ctrl[0] = DRAG * STEP * (k + 1)
         simulation.step()
-        for row in data.contact.efc_address:
+        for row in data.contact.efc_address[data.contact.exclude == 0]:
             force, slip = data.efc_force[row : row + 3], data.efc_vel[row + 1 : row + 3]
             if force[0] > LOADED:
                 angles.append(float(np.degrees(np.arctan2(np.linalg.norm(force[1:]), force[0]))))

@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 mujoco = pytest.importorskip("mujoco")
 
 from control import Flaws, Gripper  # noqa: E402
-from control.grasping.grasp_controller import GraspOptions  # noqa: E402
+from control.grasping.grasp_options import GraspOptions  # noqa: E402
 from control.motion import Limits  # noqa: E402
 from control.mujoco import Simulation, SimulationStopped, attach, attach_gripper, plants  # noqa: E402
-from rom import Sphere, TouchedSegment, friction_history  # noqa: E402
+from rom import Cylinder, Sphere, TouchedSegment, friction_history  # noqa: E402
 from rom.rod.inverse_map import InverseMap  # noqa: E402
 
 WALL = 0.010  # [m], the paper's d
@@ -167,22 +167,38 @@ def test_a_push_beyond_what_was_trained_is_marked(rod):
     assert not simulation.left.any() and not simulation.lost.any()
 
 
-@pytest.mark.parametrize(
-    ("centre", "radius", "tension", "off"),
-    [((0.025, 0.020), 0.010, 30.0, 0.15), ((0.030, 0.018), 0.008, 30.0, 0.05), ((0.022, 0.017), 0.012, 50.0, 0.06)],
-)
-def test_rubber_presses_on_a_ball_nearly_as_the_rod_says(rod, centre, radius, tension, off):
-    """Here the rubber has straight facets and does not yield where it touches."""
-    ball = f'<geom type="sphere" size="{radius}" pos="{centre[0]} {centre[1]} 0" friction="0 0 0"/>'
-    scene = f'<mujoco><option gravity="0 0 0"/><worldbody><body name="palm"/>{ball}</worldbody></mujoco>'
+def lead(rod, tension):
+    return [tension] + [0.0] * (len(rod.names) - 1)
+
+
+def before_an_object(rod, geom, centre, tension, options=""):
+    body = f'<body name="palm"/><body pos="{" ".join(map(str, centre))}"><geom {geom} friction="0 0 0"/></body>'
+    scene = f'<mujoco><option gravity="0 0 0" {options}/><worldbody>{body}</worldbody></mujoco>'
     simulation = compiled(mujoco.MjSpec.from_string(scene), rod)
-    rested(simulation, (tension, 0.0), seconds=1.0)
-    object_ = Sphere(centre=(*centre, 0.0), radius=radius, direction=(0, 1, 0), distances=(-0.01, 0.02))
-    expected = float(TouchedSegment(rod=rod, obstacle=object_).evaluate([tension, 0.0, 0.0]).contact_force)
+    rested(simulation, lead(rod, tension), seconds=1.0)
     forces = np.array([simulation.data.sensor(one).data for one in simulation.fingers[0].sensors])
-    assert forces[:, 1].sum() == pytest.approx(expected, rel=off) and expected > 0.5
-    assert np.linalg.norm(forces.sum(axis=0)) == pytest.approx(simulation.contact_forces()[0], rel=0.02)
-    assert not forces[-1].any()  # none on the plate
+    return forces.sum(axis=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "centre", "radius", "axis", "tension"),
+    [
+        ("finger", (0.025, 0.020, 0.0), 0.010, None, 30.0),
+        ("finger", (0.030, 0.018, 0.001), 0.008, None, 30.0),
+        ("finger", (0.022, 0.017, 0.0), 0.012, None, 50.0),
+        ("finger", (0.027, 0.022, 0.0), 0.012, (0.0, 0.0, 1.0), 40.0),
+        ("finger", (0.028, 0.020, 0.002), 0.011, (1.0, 0.0, 0.0), 40.0),
+    ],
+)
+def test_rubber_presses_as_the_rod_says(name, centre, radius, axis, tension):
+    """On balls, and on cylinders across and along the finger."""
+    rod, given = TouchedSegment.load(name).rod, {"centre": centre, "radius": radius, "direction": (0, 1, 0)}
+    geom = f'type="sphere" size="{radius}"'
+    object_ = Sphere(**given, distances=(-0.01, 0.02)) if axis is None else Cylinder(**given, axis=axis)
+    if axis is not None:
+        geom = f'type="cylinder" size="{radius} 0.1" zaxis="{" ".join(map(str, axis))}"'
+    expected = float(TouchedSegment(rod=rod, obstacle=object_).evaluate([*lead(rod, tension), 0.0]).contact_force)
+    assert before_an_object(rod, geom, centre, tension)[1] == pytest.approx(expected, rel=0.002) and expected > 0.3
 
 
 def test_two_segments_rest_where_their_elements_have_them(rod):
