@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     from control.calibration.calibrate import CalibrationOptions, calibrate
     from control.calibration.calibration import Calibration
     from control.finger import Finger
-    from control.grasping.grasp_controller import GraspOptions, Grip
+    from control.grasping.grasp_controller import Grip
     from control.grasping.grasp_forces import Object, Targets
+    from control.grasping.grasp_options import GraspOptions
     from control.grasping.gripper import Grasp, Gripper
     from control.loop import run
     from control.motion import Limits, Motion
@@ -25,7 +26,7 @@ _HOMES = {
     "Finger": "finger",
     "Flaws": "plant",
     "Grasp": "grasping.gripper",
-    "GraspOptions": "grasping.grasp_controller",
+    "GraspOptions": "grasping.grasp_options",
     "Grip": "grasping.grasp_controller",
     "Gripper": "grasping.gripper",
     "Limits": "motion",

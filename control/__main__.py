@@ -122,8 +122,8 @@ def grasp_parts(model: Model, result: Grasp) -> list[Table | str]:
         rows.append([str(k + 1), *numbers, f"{1e3 * result.distances[k]:.3f}", result.status[k]])
     if not np.isfinite(result.radius):
         return [Table(header=header, rows=rows), f"object not found, by {len(result.history)} pulls"]
-    found = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
-    return [Table(header=header, rows=rows), f"{found}, by {len(result.history)} pulls"]
+    place = f"object found at {millimetres(result.centre)}, radius {1e3 * result.radius:.3f} mm"
+    return [Table(header=header, rows=rows), f"{place}, by {len(result.history)} pulls"]
 
 
 @app.command()
@@ -134,7 +134,7 @@ def campaign(
     sweep: Annotated[bool, typer.Option("--sweep", help="A square grid of distances and lead tensions.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Hold one force at random distances from random starts; count what came of it and how long it took."""
+    """Hold one force at random distances from random starts; count the results and measure their times."""
     from control.campaign import run as hold_all
 
     with steps() as progress:

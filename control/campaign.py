@@ -76,8 +76,8 @@ class Campaign:
 
 
 def _quantiles(name: str, times: np.ndarray) -> dict[str, float]:
-    found = np.percentile(times, [50, 99, 100])
-    return {f"{name}{which}_us": float(time) for which, time in zip(("p50", "p99", "max"), found, strict=True)}
+    quantiles = np.percentile(times, [50, 99, 100])
+    return {f"{name}{which}_us": float(time) for which, time in zip(("p50", "p99", "max"), quantiles, strict=True)}
 
 
 def run(
@@ -116,13 +116,13 @@ def run(
         random = np.random.default_rng(seed).random((starts, len(lower)))
         points = lower + random * (upper - lower)
         distances, begun = points[:, -1].copy(), points[:, :-1].copy()
-    found = []
+    held = []
     for k in range(0, len(distances), AT_ONCE):
         progress("holding", k, len(distances))
         some = slice(k, k + AT_ONCE)
-        found.append(hold_many(finger.compiled, begun[some], float(contact_force), distances[some], rules(1e-6)))
+        held.append(hold_many(finger.compiled, begun[some], float(contact_force), distances[some], rules(1e-6)))
     progress("holding", len(distances), len(distances))
-    tensions, outcomes, nanoseconds = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    tensions, outcomes, nanoseconds = (np.concatenate(parts) for parts in zip(*held, strict=True))
     calls = []
     finger.hold(contact_force, float(distances[0]))
     for distance, start in zip(distances[:CALLS], begun[:CALLS], strict=True):

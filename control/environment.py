@@ -42,12 +42,13 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         targets: least and largest contact force [N].
         change: most that a tension changes in a step [N]; of a finger with chambers one for each load [N, Pa].
         steps: of an episode.
-        flaws: of the simulated finger.
+        flaws: of the simulated finger: delay and noise of its sensor and, with a density, friction of its tendons.
         density: of its rubber [kg/m^3]: a finger of elements moves as its mass lets it, in steps of the flaws' period.
             Without one it is at rest after every change. If it moves out of its elements' domain the episode ends.
 
     Raises:
-        ValueError: a model without an obstacle, a table with a density, or targets that are not in order above 0.
+        ValueError: a model without an obstacle, a table with a density, friction without one, or targets that are not
+            in order above 0.
     """
 
     metadata = {"render_modes": []}
@@ -69,6 +70,8 @@ class HoldEnvironment(gymnasium.Env[np.ndarray, np.ndarray]):
         self._model, self._targets, self._steps, self._flaws = model, targets, steps, flaws
         if density is not None and not isinstance(model, TouchedRod):
             raise ValueError(f"density must be left out: only fingers of elements move, got {density}")
+        if flaws is not None and density is None:
+            flaws.without_friction()
         self._density = density
         self._finger = Finger(model)
         self._change = for_each("change", change, model.parameters[:-1])

@@ -115,19 +115,19 @@ class Finger:
         present = self.lower.copy() if start is None else np.clip(self._start(start), self.lower, self.upper)
         if not np.isfinite(present).all():
             raise ValueError(f"start must be finite tensions in N, got {present.tolist()}")
-        sides, found = (1, 1), []
+        sides, motions = (1, 1), []
         change = self.limits.rate * period
         for point in points:
             goal = np.asarray(point, float)
             reason = self._refused(goal, distance)
             if reason:
-                found.append(self._out_of_domain(distance, reason, present, sides))
+                motions.append(self._out_of_domain(distance, reason, present, sides))
                 continue
             goal = goal - self.rest
             sides = self._sides.changed(present, sides, self._sides.wanted(goal, distance))
-            found.append(self._reach(goal, distance, present, tolerance, sides, change))
-            present = found[-1].tensions
-        return found
+            motions.append(self._reach(goal, distance, present, tolerance, sides, change))
+            present = motions[-1].tensions
+        return motions
 
     @property
     def _units(self) -> str:
@@ -155,12 +155,12 @@ class Finger:
         change: float = np.inf,
     ) -> Motion:
         mirrored = goal * np.array([1.0, *sides])
-        tensions, found = problems.reach(self.compiled, start, change, mirrored, float(distance), rules(tolerance))
+        tensions, solution = problems.reach(self.compiled, start, change, mirrored, float(distance), rules(tolerance))
         point = np.append(tensions, distance) if self.model.has_obstacle else tensions
         error = float(self.model.evaluate(point).error["tip"])
         asked = f"point {listed(goal + self.rest)} m"
         details = {"distance": distance, "error": error, "sides": sides, "unit": "m"}
-        return self._motion(found.status, tensions, found, asked, **details)
+        return self._motion(solution.status, tensions, solution, asked, **details)
 
     def locate(self, tensions: ArrayLike, contact_force: ArrayLike, noise: float = 0.0, hint: float = np.nan) -> Motion:
         """Find the plane from tensions and the measured contact force; the motion's `distance` is its distance d*.
@@ -190,16 +190,16 @@ class Finger:
         if reason:
             return self._out_of_domain(np.nan, reason, pulled[-1])
         close = rules(1e-9 * max(float(felt.max()), 1.0))
-        found = problems.locate(self.compiled, pulled, felt, float(hint), close)
-        status, steep, error_95 = found.status, found.squared_slopes, found.weighted_error
+        solution = problems.locate(self.compiled, pulled, felt, float(hint), close)
+        status, steep, error_95 = solution.status, solution.squared_slopes, solution.weighted_error
         error = error_95 / np.sqrt(steep * len(felt)) if steep > 0 else np.inf
-        if len(felt) > 1 and steep > 0 and status != CONVERGED and found.residual <= 3 * noise + error:
+        if len(felt) > 1 and steep > 0 and status != CONVERGED and solution.residual <= 3 * noise + error:
             status = CONVERGED
         deviation = float(np.hypot(noise / np.sqrt(steep), error_95 / NORMAL_95 / steep)) if steep > 0 else np.inf
         asked = f"contact_force {listed(felt if len(felt) > 1 else felt[0])} N at tensions {listed(pulled[-1])} "
         asked += self._units
-        details = {"distance": found.distance, "error": error, "deviation": deviation}
-        return self._motion(status, pulled[-1], found, asked, **details)
+        details = {"distance": solution.distance, "error": error, "deviation": deviation}
+        return self._motion(status, pulled[-1], solution, asked, **details)
 
     def hold(
         self,
@@ -257,15 +257,15 @@ class Finger:
         self, model: Any, aim: float, target: float, distance: float, start: np.ndarray, tolerance: float
     ) -> Motion:
         """Hold a force or a pad pressure at `aim`: the target, or the largest allowed value if that is smaller."""
-        tensions, found = problems.hold(model, start, float(aim) / model.unit, float(distance), rules(tolerance))
-        status = found.status
-        found.residual *= model.unit
+        tensions, solution = problems.hold(model, start, float(aim) / model.unit, float(distance), rules(tolerance))
+        status = solution.status
+        solution.residual *= model.unit
         if aim < target:
             status = STATIONARY if status == CONVERGED else status
-            found.residual += target - aim
+            solution.residual += target - aim
         name, unit = ("contact_force", "N") if model.row == FORCE else ("pad_pressure", "Pa")
         asked = f"{name} {target:g} {unit} at distance {distance:g} m"
-        return self._motion(status, tensions, found, asked, distance=distance, error=found.error, unit=unit)
+        return self._motion(status, tensions, solution, asked, distance=distance, error=solution.error, unit=unit)
 
     def _pressed(self, motion: Motion) -> tuple[float, float]:
         """Contact force [N] and pad pressure [Pa] of a motion."""
@@ -282,13 +282,13 @@ class Finger:
         return self._pad
 
     def _start(self, start: ArrayLike) -> np.ndarray:
-        found = np.array(start, float)  # a copy, contiguous
-        if found.shape != (self._tensions,):
+        tensions = np.array(start, float)  # a copy, contiguous
+        if tensions.shape != (self._tensions,):
             of = f"{self._tensions} tensions in N"
             if self.pressures:
                 of += f", the last {self.pressures} of them pressures in Pa"
-            raise ValueError(f"start must be {of}, got shape {found.shape}")
-        return found
+            raise ValueError(f"start must be {of}, got shape {tensions.shape}")
+        return tensions
 
     def _motion(self, status: int, tensions: np.ndarray, found: Any, asked: str, **details: Any) -> Motion:
         """The motion of a solver's outcome; if it is not met, the reason quotes what was `asked` for."""

@@ -93,8 +93,8 @@ def minimise(
         np.isfinite(start).all() and np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()
     ):
         raise ValueError(f"start and bounds must be finite with lower <= upper, got {start}, {lower}, {upper}")
-    found = residual(np.clip(start, lower, upper))
-    lib, n, m = CONTROL.functions, len(start), len(found[0])
+    linear = residual(np.clip(start, lower, upper))
+    lib, n, m = CONTROL.functions, len(start), len(linear[0])
     memory = np.empty(lib.control_workspace_size(n, m))
     workspace = CONTROL.ffi.new("control_workspace *")
     lib.control_workspace_in(workspace, n, m, pointer(memory))
@@ -111,10 +111,10 @@ def minimise(
     )
     low[:], high[:] = lower, upper
     lib.control_begin(workspace, pointer(start), pointer(start))
-    r[:], jacobian[:] = found[0], np.ravel(found[1])
+    r[:], jacobian[:] = linear[0], np.ravel(linear[1])
     while (status := lib.control_advance(workspace, struct(rules))) == GOING:
-        found = residual(ahead.copy())
-        r[:], jacobian[:] = found[0], np.ravel(found[1])
+        linear = residual(ahead.copy())
+        r[:], jacobian[:] = linear[0], np.ravel(linear[1])
     return Solution(
         x=x.copy(),
         residual=float(np.linalg.norm(residual(x.copy())[0])),

@@ -120,11 +120,11 @@ def read_log(path: str | Path, tendons: Sequence[str], ignored: Collection[str] 
     """
     table = read_cells(path)
     columns = _columns(table, tendons, ignored)
-    found = _numbers(table, columns)
+    numbers = _numbers(table, columns)
     n = len(table.rows)
 
     def values(*names: str) -> np.ndarray:
-        return np.column_stack([found.get(name, np.full(n, np.nan)) for name in names])
+        return np.column_stack([numbers.get(name, np.full(n, np.nan)) for name in names])
 
     of_tendons = {quantity: values(*(f"{quantity} {name}" for name in tendons)) for quantity in TENDON}
     log = Log(
@@ -166,23 +166,25 @@ def _columns(
     table: CsvTable, tendons: Sequence[str], ignored: Collection[str]
 ) -> dict[str, tuple[int, Heading, float]]:
     """Position, heading and factor of every column, by its quantity."""
-    where, found = table.where(table.first), dict[str, tuple[int, Heading, float]]()
+    where, columns = table.where(table.first), dict[str, tuple[int, Heading, float]]()
     for k, cell in enumerate(table.names):
         column = heading(cell)
         if column.name in ignored:
             continue
         quantity, scale = _quantity(where, column, tendons)
-        if quantity in found:
-            raise Refused(f"{where}: must have one column of {quantity}, got {found[quantity][1].text}, {column.text}")
-        found[quantity] = k, column, scale
+        if quantity in columns:
+            raise Refused(
+                f"{where}: must have one column of {quantity}, got {columns[quantity][1].text}, {column.text}"
+            )
+        columns[quantity] = k, column, scale
     for names in (*TOGETHER, *([f"{quantity} {name}" for name in tendons] for quantity in TENDON)):
-        present = [name for name in names if name in found]
+        present = [name for name in names if name in columns]
         if present and len(present) < len(names):
-            lacking = next(name for name in names if name not in found)
+            lacking = next(name for name in names if name not in columns)
             raise Refused(f"{where}: must have all of {', '.join(names)} or none, got no {lacking}")
-    if "qw" in found and "rx" in found:
+    if "qw" in columns and "rx" in columns:
         raise Refused(f"{where}: must have an orientation once, got {', '.join((*QUATERNION, *VECTOR))}")
-    return found
+    return columns
 
 
 def _quantity(where: str, column: Heading, tendons: Sequence[str]) -> tuple[str, float]:
@@ -196,13 +198,13 @@ def _quantity(where: str, column: Heading, tendons: Sequence[str]) -> tuple[str,
         )
     if column.name not in OTHERS:
         known = ", ".join((*tendons, *OTHERS))
-        raise Refused(f"{where}: columns must be of {known}, or be ignored by name, got {column.text or 'no name'}")
+        raise Refused(f"{where}: columns must be of {known}, got {column.text or 'no name'}; --ignore leaves one out")
     return column.name, factor(where, column, OTHERS[column.name])
 
 
 def _numbers(table: CsvTable, columns: dict[str, tuple[int, Heading, float]]) -> dict[str, np.ndarray]:
     """Every column's numbers in SI units, shape (n,), by its quantity; nan of empty cells."""
-    found = {quantity: np.full(len(table.rows), np.nan) for quantity in columns}
+    numbers = {quantity: np.full(len(table.rows), np.nan) for quantity in columns}
     for row, (line, cells) in enumerate(table.rows):
         if len(cells) != len(table.names):
             raise Refused(
@@ -210,8 +212,8 @@ def _numbers(table: CsvTable, columns: dict[str, tuple[int, Heading, float]]) ->
             )
         for quantity, (k, column, scale) in columns.items():
             if cells[k].strip():
-                found[quantity][row] = scale * table.number(line, column, cells[k])
-    return found
+                numbers[quantity][row] = scale * table.number(line, column, cells[k])
+    return numbers
 
 
 def _checked(log: Log) -> Log:

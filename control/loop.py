@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 from control.plant import Plant, age_of
 from rom.brief import brief
 
+ROUNDING = 1e-9  # relative difference of equal periods [-]
+
 logger = logging.getLogger(__name__)
 
 
@@ -76,7 +78,13 @@ class LoopReport:
     status: list[str]
 
     def errors(self, path: np.ndarray, finger: int = 0) -> np.ndarray:
-        """Distances of a finger's true tip from rows of a path, y and z, after the first row, shape (periods,) [m]."""
+        """Distances of a finger's true tip from rows of a path, y and z, after the first row, shape (periods,) [m].
+
+        Raises:
+            ValueError: the path has fewer rows than periods + 1.
+        """
+        if len(path) <= self.periods:
+            raise ValueError(f"path must have a row more than the {self.periods} periods, got {len(path)}")
         return np.asarray(np.linalg.norm(self.tips[:, finger] - path[1 : 1 + self.periods], axis=1))
 
     @property
@@ -107,13 +115,17 @@ def run(
         real_time: whether to wait for the beginning of every period.
 
     Raises:
-        ValueError: no controllers, another number of plants, or less than one period.
+        ValueError: no controllers, another number of plants, less than one period, or a plant that moves by another
+            period than its controller.
     """
     if not controllers or len(plants) != len(controllers):
         raise ValueError(f"plants must be one for each of {len(controllers)} fingers, got {len(plants)}")
     if not isinstance(periods, int | np.integer) or not periods >= 1:
         raise ValueError(f"periods must be an integer of at least 1, got {periods!r}")
     period, count = controllers[0].period, len(controllers)
+    for one in (getattr(plant, "period", period) for plant in plants):
+        if abs(one - period) > ROUNDING * period:
+            raise ValueError(f"plants must have the controllers' period of {period:g} s, got {one:g} s")
     spent, ages = np.zeros(periods), np.zeros(count)
     pulled, felt = np.zeros((periods, count, len(controllers[0].tensions))), np.full((periods, count), np.nan)
     tips, forces = np.full((periods, count, 2), np.nan), np.full((periods, count), np.nan)

@@ -16,7 +16,7 @@ from rom.parameter import Parameter
 
 MEANING = {
     "converged": "converged",
-    "unreachable": "unreachable; what comes nearest",
+    "unreachable": "unreachable; these tensions come nearest",
     "out_of_domain": "out of the trained domain",
     "iteration_limit": "not converged",
 }
@@ -116,12 +116,14 @@ def for_each(name: str, value: ArrayLike, loads: Sequence[Parameter]) -> np.ndar
     Raises:
         ValueError: it is not above 0 and finite, of another shape, or one for tensions and pressures.
     """
-    found, units = np.asarray(value, float), {one.unit for one in loads}
-    if not ((found > 0) & (found < np.inf)).all():
-        raise ValueError(f"{name} must be above 0, got {found.tolist()}")
-    if found.shape != (len(loads),) and (found.shape or len(units) > 1):
-        raise ValueError(f"{name} must be one for each of {', '.join(one.name for one in loads)}, got {found.tolist()}")
-    return np.broadcast_to(found, len(loads))
+    values, units = np.asarray(value, float), {one.unit for one in loads}
+    if not ((values > 0) & (values < np.inf)).all():
+        raise ValueError(f"{name} must be above 0, got {values.tolist()}")
+    if values.shape != (len(loads),) and (values.shape or len(units) > 1):
+        raise ValueError(
+            f"{name} must be one for each of {', '.join(one.name for one in loads)}, got {values.tolist()}"
+        )
+    return np.broadcast_to(values, len(loads))
 
 
 @brief
@@ -154,8 +156,8 @@ class Limits:
             np.broadcast_to(np.asarray(self.lower, float), shape),
             np.broadcast_to(np.asarray(self.upper, float), shape),
         )
-        found = np.maximum(own[0], lower), np.minimum(own[1], upper)
-        if not np.all(found[0] <= found[1]):
+        limits = np.maximum(own[0], lower), np.minimum(own[1], upper)
+        if not np.all(limits[0] <= limits[1]):
             raise ValueError(
                 f"limits must leave some of the trained tensions [N] and pressures [Pa], {lower.tolist()} to "
                 f"{upper.tolist()}, "
@@ -165,4 +167,4 @@ class Limits:
             raise ValueError(f"limits.rate must be above 0 N/s, got {self.rate}")
         if not self.pad_pressure > 0:
             raise ValueError(f"limits.pad_pressure must be above 0 Pa, got {self.pad_pressure}")
-        return found
+        return limits

@@ -16,8 +16,8 @@ FARTHEST = 1e6  # of a point that can be asked for [m]
 
 def listed(values: ArrayLike) -> str:
     """Numbers for a sentence."""
-    found = np.asarray(values, float)
-    return f"{found:g}" if found.ndim == 0 else "[" + ", ".join(f"{one:g}" for one in found.ravel()) + "]"
+    numbers = np.asarray(values, float)
+    return f"{numbers:g}" if numbers.ndim == 0 else "[" + ", ".join(f"{one:g}" for one in numbers.ravel()) + "]"
 
 
 def beyond(name: str, value: ArrayLike, lower: ArrayLike, upper: ArrayLike, unit: str) -> str:

@@ -38,6 +38,7 @@ class Flaws:
         period: from pull to pull [s], from which their age follows.
         force_error: share by which the contact force is larger than the model's [-].
         tip_noise: standard deviation of each coordinate of the tip's readings [m].
+        friction: coefficient of the tendons in their guides, see `rom.MovingFinger` [-]; of a finger with mass.
     """
 
     noise: float = 0.0
@@ -46,13 +47,24 @@ class Flaws:
     period: float = 1e-3
     force_error: float = 0.0
     tip_noise: float = 0.0
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.delay, int | np.integer) or self.delay < 0:
             raise ValueError(f"delay must be an integer of at least 0 pulls, got {self.delay}")
-        for name in ("noise", "resolution", "tip_noise"):
+        for name in ("noise", "resolution", "tip_noise", "friction"):
             if not 0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name} must be finite and at least 0, got {getattr(self, name)}")
+
+    def without_friction(self) -> Flaws:
+        """Return these flaws.
+
+        Raises:
+            ValueError: they have friction.
+        """
+        if self.friction > 0:
+            raise ValueError(f"flaws.friction must be 0 except in a MovingPlant, got {self.friction}")
+        return self
 
 
 class Sensor:
@@ -94,13 +106,16 @@ class SimulatedPlant:
     Args:
         model: of the finger.
         distance: of the plane [m].
-        flaws: none if left out.
+        flaws: without friction; none if left out.
         seed: of the noise.
+
+    Raises:
+        ValueError: flaws with friction.
     """
 
     def __init__(self, model: Model, distance: float, flaws: Flaws | None = None, seed: int = 0):
         self.contact_force, self.age = 0.0, 0.0
-        self._model, self._distance, self._flaws = model, distance, flaws or Flaws()
+        self._model, self._distance, self._flaws = model, distance, (flaws or Flaws()).without_friction()
         self._sensor = Sensor(self._flaws, seed)
 
     def pull(self, tensions: ArrayLike) -> float:
@@ -110,14 +125,14 @@ class SimulatedPlant:
             ValueError: tensions or plane outside the trained box: the model cannot play such a finger.
         """
         point = np.append(np.asarray(tensions, float), self._distance)
-        found = self._model.evaluate(point)
-        if not found.inside:
+        answer = self._model.evaluate(point)
+        if not answer.inside:
             lower, upper = (end.tolist() for end in self._model.limits)
             raise ValueError(
                 f"tensions and d must lie in the trained box, {lower} to {upper}, and nothing but the plate may touch, "
                 f"got {point.tolist()}"
             )
-        self.contact_force = (1 + self._flaws.force_error) * float(found.contact_force)
+        self.contact_force = (1 + self._flaws.force_error) * float(answer.contact_force)
         felt, self.age = self._sensor.read(self.contact_force), self._sensor.age
         return felt
 
@@ -138,10 +153,11 @@ class MovingPlant:
         flaws: none if left out; their period is that from pull to pull [s].
         seed: of the noise.
         steps: of time in a period.
-        tensions: by which it rests before the first pull, shape (t,) [N]; none if left out.
+        tensions: by which it rests before the first pull, shape (t,) [N]; none if left out. With friction, motors have
+            reached them from rest.
 
     Raises:
-        ModelError: no density, or the object touches the finger that rests.
+        ModelError: no density, the object touches the finger that rests, or friction with rubber that relaxes.
     """
 
     def __init__(
@@ -161,7 +177,13 @@ class MovingPlant:
         self._distance, self._steps, self._flaws = distance, steps, flaws or Flaws()
         self._sensor, self._rest = Sensor(self._flaws, seed), model.rod.rest
         rest = np.append(np.zeros(len(model.rod.names)) if tensions is None else np.asarray(tensions, float), distance)
-        self._finger, self._tensions = MovingFinger(model, rest, density), rest[:-1]
+        self._finger = MovingFinger(model, rest, density, friction=self._flaws.friction or None)
+        self._tensions = rest[:-1]
+
+    @property
+    def period(self) -> float:
+        """Time from pull to pull [s]."""
+        return self._flaws.period
 
     @property
     def tip(self) -> np.ndarray:

@@ -23,7 +23,7 @@ import fingerfem
 from fingerfem.dynamics.command import modes, simulate
 from fingerfem.equilibrium.failures import LoadNotReached
 from fingerfem.material_fit.command import fit_material
-from fingerfem.output.rows import finish
+from fingerfem.output.rows import check_ending, finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
 from rom.console.interruption import first_rank, interruptible
@@ -57,7 +57,8 @@ def solve(
     comm = MPI.COMM_WORLD
     scene = fingerfem.load_scene(scene_file)
     asked = read_loads(scene, loads or [])
-    for file, option in ((picture, "picture"), (paraview, "paraview")):
+    for file, option, ending in ((picture, "picture", ".png"), (paraview, "paraview", ".vtu")):
+        check_ending(option, file, ending)
         if file is not None and comm.size > 1:
             raise ValueError(f"{option} must be written by one rank, got {comm.size}")
     model = fingerfem.FingerModel(scene, comm)
@@ -95,8 +96,10 @@ def certify(
     from rom import load
 
     certifier = Certifier(load(model_file))
-    found = certifier.certify(**read_loads(certifier.full_order.scene, loads or []))
-    finish(found.as_json(), as_json, 0 if found.covered else NOTHING_USABLE)
+    certificate = certifier.certify(**read_loads(certifier.full_order.scene, loads or []))
+    for mark in certificate.marks:
+        say(mark)
+    finish(certificate.as_json(), as_json, 0 if certificate.covered else NOTHING_USABLE)
 
 
 @app.command()
@@ -190,9 +193,9 @@ def snapshots(
     else:  # no rank may leave its contexts while others wait for it in MPI: they end at once
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda asked, _: os._exit(128 + asked))
-    found = job.run(progress)
+    summary = job.run(progress)
     if job.is_first:
-        finish(found, as_json, NOTHING_USABLE if job.is_unusable else 0)
+        finish(summary, as_json, NOTHING_USABLE if job.is_unusable else 0)
 
 
 def _terminated(*_) -> None:
@@ -211,7 +214,7 @@ SetFolder = Annotated[Path, typer.Argument(metavar="SET/", help="The set's folde
 
 @app.command()
 def status(folder: SetFolder, as_json: AsJson = False) -> None:
-    """Say what became of every state of a snapshot set; while others work on it, too."""
+    """Report the result of every state of a snapshot set, also while jobs work on it."""
     from fingerfem.snapshots.ledger import Ledger, sentence
     from rom.dataset.snapshot_set import read_description
 
@@ -232,7 +235,7 @@ def status(folder: SetFolder, as_json: AsJson = False) -> None:
 
 @app.command()
 def retry(folder: SetFolder) -> None:
-    """Forget the lines of a set that have failed or quarantined states, so that snapshots solves them again."""
+    """Clear the lines of a set with failed or quarantined states, so that snapshots solves them again."""
     from fingerfem.snapshots.ledger import Ledger
     from rom.dataset.snapshot_set import read_description
 
@@ -243,7 +246,7 @@ def retry(folder: SetFolder) -> None:
 
 @app.command()
 def doctor(as_json: AsJson = False) -> None:
-    """Say what this installation has, what is wrong with it, and how to mend it."""
+    """Report what this installation has, what is wrong with it, and how to mend it."""
     from fingerfem.doctor import examine, report
 
     findings = list(examine()) if as_json else report()
@@ -265,13 +268,11 @@ def render(
     from fingerfem.output.pictures import Deformed, draw
     from fingerfem.scene.loads import read_loads
 
+    check_ending("picture", picture, ".png")
     scene = fingerfem.load_scene(scene_file)
     cases = [read_loads(scene, words.split()) for words in case]
     model = fingerfem.FingerModel(scene)
-    panels = []
-    for loads in cases:
-        panels.append(Deformed.of(model, model.solve(**loads, sensitivities=False), field))
-    draw(panels, picture)
+    draw([Deformed.of(model, model.solve(**loads, sensitivities=False), field) for loads in cases], picture)
 
 
 @app.command()

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fingerfem.model import FingerModel
+from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
+from fingerfem.scene.sections.circle import Round
 from rom.answer import Answer
 from rom.rod import rod
 from rom.rod.touched_segment import TouchedSegment
@@ -27,26 +29,36 @@ class Certificate:
         tip: displacement of the tip plate's centre by the full-order model, shape (3,) [m].
         contact_force: likewise [N]; None without a plane.
         factorisations: that the full-order model needed.
+        corners: distance of the mesh's corners outside a round section, by which contact begins too early [m].
     """
 
     answer: Answer
     tip: np.ndarray
     contact_force: float | None
     factorisations: int
+    corners: float = 0.0
 
     @property
     def errors(self) -> dict[str, float]:
         """True errors of tip [m] and contact force [N]."""
-        found = {"tip": float(np.linalg.norm(self.answer.tip - self.tip))}
+        errors = {"tip": float(np.linalg.norm(self.answer.tip - self.tip))}
         if self.contact_force is not None:
-            found["contact_force"] = abs(float(self.answer.contact_force) - self.contact_force)
-        return found
+            errors["contact_force"] = abs(float(self.answer.contact_force) - self.contact_force)
+        return errors
 
     @property
     def covered(self) -> bool:
         """True if the model's own estimates cover the errors, and the point is inside its domain."""
         estimated = self.answer.error
         return bool(self.answer.inside) and all(error <= estimated[name] for name, error in self.errors.items())
+
+    @property
+    def marks(self) -> list[str]:
+        """Sentences with the reasons not to rely on the full-order values."""
+        outside = (
+            f"the full-order mesh has corners {1e3 * self.corners:.2g} mm outside the circle, where contact begins"
+        )
+        return [f"{outside}: train with mesh.order = 2 for a nearer comparison"] * (self.corners > 0)
 
     def as_json(self) -> dict[str, Any]:
         """Plain data: of each quantity the model's answer, full-order value, error, estimated error, in [m] and [N]."""
@@ -97,7 +109,17 @@ class Certifier:
             tip=state.tip,
             contact_force=None if distance is None else state.contact_force,
             factorisations=newton.factorisations - before,
+            corners=0.0 if distance is None else corners_outside(full_order.scene),
         )
+
+
+def corners_outside(scene: Scene) -> float:
+    """Distance by which a mesh's corners are outside the circle of its section [m]; 0 without one, or at order 2."""
+    shape = scene.geometry.shape
+    if not isinstance(shape, Round) or scene.mesh.order > 1:
+        return 0.0
+    points = section_mesh(scene.outline, scene.mesh.cells[1]).points
+    return float(np.linalg.norm(points, axis=1).max()) - shape.diameter / 2
 
 
 def full_order_scene(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:

@@ -53,8 +53,8 @@ def examine() -> Iterator[Finding]:
 
 
 def _python() -> Iterator[Finding]:
-    found = sys.version.split()[0]
-    yield _judge("Python", sys.version_info >= (3, 11), found, "install Python 3.11 or newer")
+    version = sys.version.split()[0]
+    yield _judge("Python", sys.version_info >= (3, 11), version, "install Python 3.11 or newer")
 
 
 def _packages() -> Iterator[Finding]:
@@ -83,8 +83,8 @@ def _blas() -> Iterator[Finding]:
     import_module("petsc4py.PETSc")
     maps = Path("/proc/self/maps").read_text()
     fast = next((name for name in ("openblas", "mkl", "blis") if name in maps), None)
-    found = fast or "reference BLAS, several times slower in MUMPS"
-    yield Finding("BLAS", "ok" if fast else "slow", found, "Debian: apt-get install libopenblas0-pthread")
+    library = fast or "reference BLAS, several times slower in MUMPS"
+    yield Finding("BLAS", "ok" if fast else "slow", library, "Debian: apt-get install libopenblas0-pthread")
 
 
 def _mpi() -> Iterator[Finding]:
@@ -105,16 +105,16 @@ def _mpirun() -> Iterator[Finding]:
         yield Finding("mpirun", "wrong", said[-1], "mend what it says")
     else:
         seen = "3 2" in done.stdout.splitlines()
-        found = "two ranks see each other" if seen else "its ranks do not see each other"
-        yield _judge("mpirun", seen, found, "mpirun and mpi4py must be of one MPI")
+        verdict = "two ranks see each other" if seen else "its ranks do not see each other"
+        yield _judge("mpirun", seen, verdict, "mpirun and mpi4py must be of one MPI")
 
 
 def _threads() -> Iterator[Finding]:
-    found = os.environ.get("OMP_NUM_THREADS", "unset")
+    count = os.environ.get("OMP_NUM_THREADS", "unset")
     yield Finding(
         "threads",
-        "ok" if found == "1" else "slow",
-        f"OMP_NUM_THREADS {found}",
+        "ok" if count == "1" else "slow",
+        f"OMP_NUM_THREADS {count}",
         "export OMP_NUM_THREADS=1: ranks share the cores, threads fight for them",
     )
 
@@ -151,9 +151,9 @@ def _cache() -> Iterator[Finding]:
 
 
 def _display() -> Iterator[Finding]:
-    found = "DISPLAY is set" if os.environ.get("DISPLAY") else shutil.which("xvfb-run")
+    display = "DISPLAY is set" if os.environ.get("DISPLAY") else shutil.which("xvfb-run")
     yield Finding(
-        "display", "ok" if found else "slow", found or "none: no pictures", "Debian: apt-get install xvfb xauth"
+        "display", "ok" if display else "slow", display or "none: no pictures", "Debian: apt-get install xvfb xauth"
     )
 
 

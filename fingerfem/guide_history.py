@@ -187,7 +187,7 @@ class _History:
 
     def _change(self, guides: list[Guide], compliance: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
         """A step of Newton's method on all tensions, shape (all,) [N], and how the tendons move."""
-        jacobian, residuals, found = np.zeros_like(compliance), [], []
+        jacobian, residuals, all_moves = np.zeros_like(compliance), [], []
         first = 0
         for law, guide in zip(self._laws, guides, strict=True):
             own = slice(first, first + len(guide.tensions))
@@ -198,9 +198,9 @@ class _History:
             jacobian[own] = rows
             jacobian[own, own] += derivatives
             residuals.append(rest)
-            found.append(moves)
+            all_moves.append(moves)
             first = own.stop
-        return -np.linalg.solve(jacobian, np.concatenate(residuals)), found
+        return -np.linalg.solve(jacobian, np.concatenate(residuals)), all_moves
 
     def _leave(self, last: list[Guide], guides: list[Guide], moves: list[np.ndarray]) -> None:
         """Keep the guides for the next increment; count the work."""

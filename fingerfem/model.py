@@ -15,6 +15,7 @@ from fingerfem.equilibrium.self_intersection import Surface
 from fingerfem.equilibrium.state import State, observe
 from fingerfem.equilibrium.strokes.channel_lengths import ChannelLengths
 from fingerfem.equilibrium.strokes.section_volumes import SectionVolumes
+from fingerfem.scene.loads import check_limits
 from fingerfem.scene.scene import Scene
 
 
@@ -85,10 +86,7 @@ class FingerModel:
             if self.scene.obstacle is None:
                 raise ValueError(f"d must be left out of a scene without an obstacle, got {distance}")
             values["d"] = distance
-        for parameter in self.scene.parameters:
-            name, lower, upper, unit = (parameter[key] for key in ("name", "lower", "upper", "unit"))
-            if name in values and not lower <= values[name] <= upper:
-                raise ValueError(f"{name} must lie in [{lower:g}, {upper:g}] {unit}, got {values[name]:g}")
+        check_limits(self.scene, values)
 
     def _check_wrenches(self, wrenches: np.ndarray) -> None:
         if self.scene.load is None:

@@ -70,26 +70,26 @@ class Answer:
         Args:
             actuators: names of the tendons, then of the chambers.
         """
-        found: dict[str, Any] = {"tip_m": self.tip.tolist(), "tip_error_m": float(self.error["tip"])}
+        numbers: dict[str, Any] = {"tip_m": self.tip.tolist(), "tip_error_m": float(self.error["tip"])}
         for name, unit, value in (
             ("contact_force", "N", self.contact_force),
             ("touch_distance", "m", self.touch_distance),
             ("pad_pressure", "Pa", self.pad_pressure),
         ):
             if value is not None and name in self.error:
-                found |= {f"{name}_{unit}": _plain(value), f"{name}_error_{unit}": _plain(self.error[name])}
+                numbers |= {f"{name}_{unit}": _plain(value), f"{name}_error_{unit}": _plain(self.error[name])}
         if self.orientation is not None:
-            found |= {
+            numbers |= {
                 "orientation_wxyz": self.orientation.tolist(),
                 "orientation_error_rad": float(self.orientation_error),
             }
         if self.shortenings is not None:
             by_name = dict(zip(actuators[: len(self.shortenings)], self.shortenings.tolist(), strict=True))
-            found |= {"shortenings_m": by_name, "shortening_error_m": float(self.shortening_error)}
+            numbers |= {"shortenings_m": by_name, "shortening_error_m": float(self.shortening_error)}
         if self.shortenings is not None and self.growths is not None:
             by_name = dict(zip(actuators[len(self.shortenings) :], self.growths.tolist(), strict=True))
-            found |= {"growths_m3": by_name, "growth_error_m3": float(self.growth_error)}
-        return found | {"inside": bool(self.inside)}
+            numbers |= {"growths_m3": by_name, "growth_error_m3": float(self.growth_error)}
+        return numbers | {"inside": bool(self.inside)}
 
     def tables(self, actuators: Sequence[str] = ()) -> list[Table | str]:
         """Tables for people: the first ones of many points, without the tip.
@@ -97,10 +97,10 @@ class Answer:
         Args:
             actuators: names of the tendons, then of the chambers; numbers if omitted.
         """
-        found = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
+        by_name = {"contact_force": (self.contact_force, "N"), "touch_distance": (self.touch_distance, "m")}
         if self.pad_pressure is not None:
-            found["pad_pressure"] = self.pad_pressure, "Pa"
-        named = [part for name, one in found.items() for part in self._by_object(name, *one)]
+            by_name["pad_pressure"] = self.pad_pressure, "Pa"
+        named = [part for name, one in by_name.items() for part in self._by_object(name, *one)]
         if np.ndim(self.tip) > 1:
             return self._many(named)
         rows = components("tip", self.tip, "m", self.error["tip"])

@@ -22,8 +22,8 @@ def _line(self: Any) -> str:
     """The name of its class, and its fields but those that are None; of a model its scene's name and its parameters."""
     scene = getattr(self, "scene", None)
     if isinstance(scene, Mapping):
-        found = getattr(self, "parameters", None) or getattr(self, "tension_parameters", [])
-        ranges = (f"{one.name} {one.lower:g} to {one.upper:g} {one.unit}" for one in found)
+        parameters = getattr(self, "parameters", None) or getattr(self, "tension_parameters", [])
+        ranges = (f"{one.name} {one.lower:g} to {one.upper:g} {one.unit}" for one in parameters)
         return f"{type(self).__name__}({str(scene.get('name', ''))!r}: {', '.join(ranges)})"
     names = [one.name for one in fields(self) if one.repr] if is_dataclass(self) else self._fields
     shown = ((name, value) for name in names if (value := getattr(self, name)) is not None)

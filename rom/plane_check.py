@@ -109,17 +109,17 @@ def differences(model: Model, held_out: SnapshotSet, progress: Progress = quiet)
     That of the displacement is the root mean square over the set's nodes.
     """
     points = held_out.points()
-    found = statistics.differences(
+    errors = statistics.differences(
         model.evaluate(points), {name: held_out.answered(name) for name in _shared(model, held_out)}
     )
     if isinstance(model, SeparatedModel) and model.nodes is not None and held_out.description.has_field:
         field, brought = held_out.answered("displacement"), _brought(model.nodes, held_out.nodes)
-        found["displacement"] = np.zeros(len(points))
+        errors["displacement"] = np.zeros(len(points))
         for k, point in enumerate(points):
             off = brought(model.displacement(point)).reshape(-1, 3) - field[k]
-            found["displacement"][k] = mean_size(off)
+            errors["displacement"][k] = mean_size(off)
             progress("checking on held-out states", k + 1, len(points))
-    return found
+    return errors
 
 
 def _shared(model: Model, held_out: SnapshotSet) -> list[str]:

@@ -22,6 +22,7 @@ def _same(*names: str) -> dict[str, str]:
 
 
 OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
+GRASPS = {one: f"grasps:{one}" for one in ("first", "second")}  # up to the tenth fifty
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
@@ -39,7 +40,7 @@ STUDIES = {
     "calibration": Study("accuracy", _same("states", "calibrated")),
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
-    "grasping": Study("grasping", _same("grasps", "pictures"), elsewhere=("grasps", "pictures")),
+    "grasping": Study("grasping", GRASPS | _same("pictures"), elsewhere=(*GRASPS, "pictures")),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
     "random_fingers": Study("appendix", _same("random_fingers")),

@@ -71,11 +71,10 @@ def provenance(study: str, origin: dict[str, dict]) -> str:
     """The section's last lines: where its numbers are from."""
     commits = sorted({one["commit"] for one in origin.values()})
     dates, cores = (sorted({one[key] for one in origin.values()}) for key in ("date", "cores"))
-    minutes = ", ".join(f"{part} {one['seconds'] / 60:.1f}" for part, one in origin.items())
     where = f"commit {' and '.join(commits)}, {' to '.join(dates[:: max(len(dates) - 1, 1)])}"
     return (
-        f"---\n\nMeasured by `make docs` (`python3 -m studies.runner {study}`): {where}, {cores[-1]} cores; minutes: "
-        f"{minutes}.\n<!-- {study} {page_hash(study)} -->\n"
+        f"---\n\nMeasured by `make docs` (`studies.runner {study}`): {where}, {cores[-1]} cores.\n"
+        f"<!-- {study} {page_hash(study)} -->\n"
     )
 
 

@@ -92,11 +92,11 @@ def calibrate(
     if any(name in measured.unknowns.names for name in TURN):
         starts = {**measured.unknowns.starts, **first_base(measured)}
         measured = replace(measured, unknowns=replace(measured.unknowns, starts=starts))
-    found = fit(measured, chosen.noise)
-    check_order(measured, found)
-    measured, found, beyond = within_domain(measured, found, chosen.noise)
-    measured, found, outlying = without_outliers(measured, found, chosen.noise)
-    return calibrated(measured, found, [*beyond, *outlying])
+    fitted = fit(measured, chosen.noise)
+    check_order(measured, fitted)
+    measured, fitted, beyond = within_domain(measured, fitted, chosen.noise)
+    measured, fitted, outlying = without_outliers(measured, fitted, chosen.noise)
+    return calibrated(measured, fitted, [*beyond, *outlying])
 
 
 def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Measured:
@@ -108,7 +108,7 @@ def _before(model: TouchedSegment, log: Log, options: CalibrationOptions) -> Mea
         fitted = [name for name in fitted if name not in PLACE]
     if (log.has("torque") or log.has("angle") or "pulley_radius" in fitted) and options.pulley_radius is None:
         raise ValueError(
-            f"pulley_radius must be a number [m] to fit it, or for torques or angles such as in {log.path}, got none"
+            f"pulley_radius must be a radius [m] for torques or angles in {log.path}, and to begin its fit, got none"
         )
     if "friction" in fitted and not (log.has("tension") or log.has("torque")):
         raise ValueError(f"friction must be fitted to tensions or torques, got neither in {log.path}")

@@ -215,15 +215,15 @@ def _finger(result: Calibration) -> Rod:
 
 def _errors_of_answers(result: Calibration) -> dict[str, float]:
     """Errors of the calibrated finger's answers: leave-one-out; at least those without friction, which answers lack."""
-    found = {
+    errors = {
         name: one["p95"] for name, one in (result.errors["left_out"] or result.errors["fit"]).items() if one["count"]
     }
     if result.measured.finger.guides:
         plain = replace(result.measured, finger=ScaledFinger(result.measured.finger.model))
         residuals = plain.residuals(result.fit.unknowns, result.fit.tensions).values
-        for name in found:
-            found[name] = max(found[name], _summary(plain, name, sizes(plain, name, residuals))["p95"])
-    return {KEPT[name]: one for name, one in found.items() if name in KEPT}
+        for name in errors:
+            errors[name] = max(errors[name], _summary(plain, name, sizes(plain, name, residuals))["p95"])
+    return {KEPT[name]: one for name, one in errors.items() if name in KEPT}
 
 
 def _number(value: float) -> float | None:

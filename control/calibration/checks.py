@@ -144,6 +144,6 @@ def _exchanged(log: Log) -> Iterator[tuple[str, str, Log]]:
 
 def _with_exchanged(values: np.ndarray, i: int, j: int) -> np.ndarray:
     """A copy with two columns exchanged."""
-    found = values.copy()
-    found[:, [i, j]] = values[:, [j, i]]
-    return found
+    exchanged = values.copy()
+    exchanged[:, [i, j]] = values[:, [j, i]]
+    return exchanged

@@ -110,8 +110,8 @@ def fit(measured: Measured, noise: Mapping[str, float], start: Fit | None = None
     tensions = first_tensions(measured, unknowns, sigma) if start is None else start.tensions
     for _ in range(NOISE_STEPS):
         unknowns, tensions, normal, inside = _minimise(measured, sigma, unknowns, tensions, ROUGH)
-        found = _solution(measured, sigma, unknowns, tensions, normal, inside)
-        changed, estimated = _noise(measured, found, noise)
+        solution = _solution(measured, sigma, unknowns, tensions, normal, inside)
+        changed, estimated = _noise(measured, solution, noise)
         far = max(abs(np.log(changed[name] / sigma[name])) for name in sigma)
         sigma = changed
         if far < NOISE_SETTLED:
@@ -156,9 +156,9 @@ def _normal(
     damping: np.ndarray | None = None,
 ) -> tuple[Normal, np.ndarray]:
     """The whitened problem, and where the model is inside; with damping, A^+ is damped per pose."""
-    found: Residuals = measured.residuals(unknowns, tensions)
+    own: Residuals = measured.residuals(unknowns, tensions)
     scale = 1 / (np.array([sigma[name] for name in measured.columns]) * measured.weights)
-    residuals, by_tension = found.values * scale, found.by_tension * scale[..., None]
+    residuals, by_tension = own.values * scale, own.by_tension * scale[..., None]
     lower, upper = measured.ends(unknowns)
     gradient = np.einsum("nmt,nm->nt", by_tension, residuals)
     stuck = ((tensions <= lower) & (gradient > 0)) | ((tensions >= upper) & (gradient < 0)) | measured.slack
@@ -171,7 +171,7 @@ def _normal(
     kept_left = left * kept[:, None]
     projector = np.eye(residuals.shape[1]) - kept_left @ np.swapaxes(kept_left, 1, 2)
     cost = float((residuals**2).sum())
-    return Normal(cost, scale, residuals, found.by_unknown * scale[..., None], inverse, projector), found.inside
+    return Normal(cost, scale, residuals, own.by_unknown * scale[..., None], inverse, projector), own.inside
 
 
 def _minimise(

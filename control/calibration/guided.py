@@ -43,7 +43,7 @@ def along(model: TouchedSegment, points: np.ndarray, friction: float, derivative
     """
     touched = bool(np.isfinite(points[:, -1]).any())
     finger = GuidedFinger(model=model if touched else model.rod, friction=max(friction, 0.0))
-    t, begun, found, rates = points.shape[1] - 1, finger.arrays.motors.copy(), list[GuideState](), []
+    t, begun, states, rates = points.shape[1] - 1, finger.arrays.motors.copy(), list[GuideState](), []
     for row, point in enumerate(points):
         free = [np.inf] if touched else []
         for k in range(1, INCREMENTS):
@@ -53,13 +53,13 @@ def along(model: TouchedSegment, points: np.ndarray, friction: float, derivative
             rates.append(np.stack([_rate(finger, before, own, k) for k in range(t)], axis=-1))
             finger.arrays.restore(before)
             finger.inside = was_inside
-        found.append(finger.advance(own))
-        if found[-1].status == "no_equilibrium":
+        states.append(finger.advance(own))
+        if states[-1].status == "no_equilibrium":
             raise ModelError(f"pose {row + 1} must have an equilibrium with friction {friction:g}, got none")
         begun = point[:t]
-    values = np.array([_row(one, model.rod.rest) for one in found])
-    inside = np.array([one.status == "converged" for one in found])
-    orientation = np.array([one.orientation for one in found])
+    values = np.array([_row(one, model.rod.rest) for one in states])
+    inside = np.array([one.status == "converged" for one in states])
+    orientation = np.array([one.orientation for one in states])
     return GuidedValues(values, orientation, np.array(rates) if derivatives else None, inside)
 
 
@@ -70,9 +70,9 @@ def _rate(finger: GuidedFinger, before: list[np.ndarray], point: np.ndarray, k: 
         finger.arrays.restore(before)
         ends.append(finger.advance(point + way * (np.arange(len(point)) == k)))
     ahead, behind = ends
-    found = (_row(ahead, np.zeros(3)) - _row(behind, np.zeros(3))) / (2 * STEP)
-    found[3:6] = turn(behind.orientation[None], ahead.orientation[None])[0] / (2 * STEP)
-    return found
+    difference = (_row(ahead, np.zeros(3)) - _row(behind, np.zeros(3))) / (2 * STEP)
+    difference[3:6] = turn(behind.orientation[None], ahead.orientation[None])[0] / (2 * STEP)
+    return difference
 
 
 def _row(state: GuideState, rest: np.ndarray) -> np.ndarray:

@@ -98,24 +98,26 @@ class Measured:
     @property
     def used(self) -> np.ndarray:
         """Which measurements count, shape (n, m)."""
-        found = np.isfinite(self.readings)
+        counts = np.isfinite(self.readings)
         for k, name in enumerate(self.columns):
             if name in self.excluded:
-                found[:, k] &= ~self.excluded[name]
+                counts[:, k] &= ~self.excluded[name]
             if name in RELATIVE:  # without slack tendons, and contact that is hardly any
                 least = SMALL if name == "contact_force" else 0.0
-                found[:, k] &= np.abs(self.readings[:, k]) > least * np.nanmax(np.abs(self.readings[:, k]), initial=0.0)
-        return found
+                counts[:, k] &= np.abs(self.readings[:, k]) > least * np.nanmax(
+                    np.abs(self.readings[:, k]), initial=0.0
+                )
+        return counts
 
     @cached_property
     def weights(self) -> np.ndarray:
         """Scales to which the standard deviations of measurements are proportional, shape (n, m)."""
-        found = np.ones_like(self.readings)
+        scales = np.ones_like(self.readings)
         for name in set(self.columns) & set(RELATIVE):
             own = [one == name for one in self.columns]
             sizes = np.abs(np.nan_to_num(self.readings[:, own]))
-            found[:, own] = np.maximum(sizes, SMALL * sizes.max(initial=0.0)) if sizes.any() else 1.0
-        return found
+            scales[:, own] = np.maximum(sizes, SMALL * sizes.max(initial=0.0)) if sizes.any() else 1.0
+        return scales
 
     @cached_property
     def distances(self) -> np.ndarray:
@@ -153,11 +155,11 @@ class Measured:
 
     def by_scales(self, outputs: Outputs, rows: Sequence[int]) -> np.ndarray:
         """Derivatives of some of the finger's rows by the unknowns, shape (n, rows, p)."""
-        found = np.zeros((len(outputs.inside), len(rows), len(self.unknowns.names)))
+        slopes = np.zeros((len(outputs.inside), len(rows), len(self.unknowns.names)))
         for name, column in BY_SCALE.items():
             if (k := self.unknowns.index(name)) is not None:
-                found[..., k] = outputs.by_scales[:, rows, column]
-        return found
+                slopes[..., k] = outputs.by_scales[:, rows, column]
+        return slopes
 
 
 Rows = tuple[np.ndarray, np.ndarray, np.ndarray]  # values (n, rows), and derivatives by tensions and unknowns
@@ -169,15 +171,15 @@ def _of_tendons(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, 
     rows = range(6, 6 + t)
     radius, power = values["pulley_radius"], {"torque": 1, "angle": -1}.get(name, 0)
     if name in ("tension", "torque"):
-        found, by_tension = tensions, np.broadcast_to(np.eye(t), (n, t, t))
+        of_motors, by_tension = tensions, np.broadcast_to(np.eye(t), (n, t, t))
         by_unknown = np.zeros((n, t, len(m.unknowns.names)))
     else:
-        found, by_tension, by_unknown = outputs.shortening, outputs.by_tension[:, rows], m.by_scales(outputs, rows)
+        of_motors, by_tension, by_unknown = outputs.shortening, outputs.by_tension[:, rows], m.by_scales(outputs, rows)
     factor = radius**power
     by_unknown = factor * by_unknown
     if power and (k := m.unknowns.index("pulley_radius")) is not None:
-        by_unknown[..., k] += power * factor * found
-    return factor * found, factor * by_tension, by_unknown
+        by_unknown[..., k] += power * factor * of_motors
+    return factor * of_motors, factor * by_tension, by_unknown
 
 
 def _position(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, values: dict[str, float]) -> Rows:
@@ -185,7 +187,7 @@ def _position(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, va
     rows = range(3)
     vector = np.array([values[name] for name in TURN])
     base = Rotation.from_rotvec(vector).as_matrix()
-    found = np.array([values[name] for name in PLACE]) + outputs.position @ base.T
+    position = np.array([values[name] for name in PLACE]) + outputs.position @ base.T
     by_tension, by_unknown = base @ outputs.by_tension[:, rows], base @ m.by_scales(outputs, rows)
     turn = -base @ _cross(outputs.position) @ _turn_by_vector(vector)
     for k, (place, angle) in enumerate(zip(PLACE, TURN, strict=True)):
@@ -193,7 +195,7 @@ def _position(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, va
             by_unknown[:, k, column] += 1.0
         if (column := m.unknowns.index(angle)) is not None:
             by_unknown[:, :, column] += turn[:, :, k]
-    return found, by_tension, by_unknown
+    return position, by_tension, by_unknown
 
 
 def _orientation(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, values: dict[str, float]) -> Rows:
@@ -203,14 +205,14 @@ def _orientation(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray,
     own = Rotation.from_quat(outputs.orientation[:, [1, 2, 3, 0]])
     seen = np.where(np.isfinite(m.log.orientation), m.log.orientation, [1.0, 0.0, 0.0, 0.0])
     relative = Rotation.from_quat(seen[:, [1, 2, 3, 0]]).inv() * Rotation.from_rotvec(vector) * own
-    found = relative.as_rotvec()
-    back = np.linalg.inv(_turns_by_vectors(found))
+    vectors = relative.as_rotvec()
+    back = np.linalg.inv(_turns_by_vectors(vectors))
     by_tension, by_unknown = back @ outputs.by_tension[:, rows], back @ m.by_scales(outputs, rows)
     turn = back @ np.swapaxes(own.as_matrix(), 1, 2) @ _turn_by_vector(vector)
     for k, angle in enumerate(TURN):
         if (column := m.unknowns.index(angle)) is not None:
             by_unknown[:, :, column] += turn[:, :, k]
-    return found, by_tension, by_unknown
+    return vectors, by_tension, by_unknown
 
 
 def _contact_force(m: Measured, name: str, outputs: Outputs, tensions: np.ndarray, values: dict[str, float]) -> Rows:

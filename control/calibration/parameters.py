@@ -46,10 +46,10 @@ class Unknowns:
 
     def values(self, unknowns: np.ndarray) -> dict[str, float]:
         """The values of all parameters."""
-        found = dict(self.starts)
+        numbers = dict(self.starts)
         for name, change in zip(self.names, unknowns.tolist(), strict=True):
-            found[name] = found[name] * float(np.exp(change)) if name in POSITIVE else found[name] + change
-        return found
+            numbers[name] = numbers[name] * float(np.exp(change)) if name in POSITIVE else numbers[name] + change
+        return numbers
 
     def index(self, name: str) -> int | None:
         """Position of a parameter among the unknowns; None if it is not fitted."""

@@ -155,9 +155,9 @@ def _by_friction(model: TouchedSegment, points: np.ndarray, friction: float) -> 
     """Derivatives of the values by the friction, by a difference that is central where the friction allows it."""
     ends = max(friction - FRICTION_STEP, 0.0), max(friction, 0.0) + FRICTION_STEP
     behind, ahead = (along(model, points, one, derivatives=False) for one in ends)
-    found = (ahead.values - behind.values) / (ends[1] - ends[0])
-    found[:, 3:6] = turn(behind.orientation, ahead.orientation) / (ends[1] - ends[0])
-    return found
+    difference = (ahead.values - behind.values) / (ends[1] - ends[0])
+    difference[:, 3:6] = turn(behind.orientation, ahead.orientation) / (ends[1] - ends[0])
+    return difference
 
 
 def _left(quaternions: np.ndarray) -> np.ndarray:
@@ -168,6 +168,6 @@ def _left(quaternions: np.ndarray) -> np.ndarray:
 
 def _difference(ahead: tuple[np.ndarray, np.ndarray], behind: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Central differences of values; of orientations as turns about the plate's axes."""
-    found = (ahead[0] - behind[0]) / (2 * STEP)
-    found[:, 3:6] = turn(behind[1], ahead[1]) / (2 * STEP)
-    return found
+    difference = (ahead[0] - behind[0]) / (2 * STEP)
+    difference[:, 3:6] = turn(behind[1], ahead[1]) / (2 * STEP)
+    return difference

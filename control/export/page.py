@@ -81,8 +81,8 @@ def about(model: SeparatedModel | TouchedSegment) -> dict[str, Any]:
 
 def border(model: SeparatedModel | TouchedSegment) -> np.ndarray:
     """Points around the section at the clamp, shape (n, 2) [m]."""
-    found = outline(model.scene)
-    return found.points(AROUND) if found.radius else found.vertices
+    section = outline(model.scene)
+    return section.points(AROUND) if section.radius else section.vertices
 
 
 def weights(model: SeparatedModel | TouchedSegment, points: ArrayLike) -> np.ndarray:

@@ -73,22 +73,22 @@ class _Feeling:
             return self._nothing(reason)
         measured = pulled, pulled_by, shorter, shorter_by, values, deviations
         free = int(np.count_nonzero(ranges[0, t:] < ranges[1, t:]))
-        feeling, found = unknowns.solved(measured, ranges, begin, usual(t - free))
-        unseen = found["visible"] < 1.0
+        feeling, arrays = unknowns.solved(measured, ranges, begin, usual(t - free))
+        unseen = arrays["visible"] < 1.0
         freedom = t - free + int(unseen.sum())
         status = STATUSES.get(CONVERGED if feeling.status == STATIONARY else feeling.status, "iteration_limit")
         status = status if feeling.inside else STATUSES[OUTSIDE]
         return Felt(
             names=names,
-            values=found["variables"][t:],
-            covariance=found["covariance"][t:, t:],
-            contact_forces=found["forces"],
-            force_covariance=found["force_covariance"],
-            tensions=found["variables"][:t],
-            unseen=found["axes"][unseen] * deviations,
+            values=arrays["variables"][t:],
+            covariance=arrays["covariance"][t:, t:],
+            contact_forces=arrays["forces"],
+            force_covariance=arrays["force_covariance"],
+            tensions=arrays["variables"][:t],
+            unseen=arrays["axes"][unseen] * deviations,
             chi_square=float(feeling.chi_square),
             freedom=freedom,
-            other=found["other"][t:] if not unseen.any() and feeling.other_chi_square <= usual(freedom) else None,
+            other=arrays["other"][t:] if not unseen.any() and feeling.other_chi_square <= usual(freedom) else None,
             status=status,
             iterations=int(feeling.evaluations),
             reason=REASONS.get(status, ""),

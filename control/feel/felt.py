@@ -113,12 +113,12 @@ class Felt:
     @property
     def unseen_names(self) -> list[str]:
         """Every unseen direction in words: the unknowns that change along it, the most visible first."""
-        found = []
+        names = []
         for direction in self.unseen:
             shares = direction / np.sqrt(np.maximum(np.diag(self.covariance), np.finfo(float).tiny))
             order = np.argsort(-np.abs(shares))
             most = np.abs(shares).max()
-            found.append(
+            names.append(
                 ", ".join(f"{self.names[k]} {direction[k]:+.3g}" for k in order if np.abs(shares[k]) > 0.05 * most)
             )
-        return found
+        return names

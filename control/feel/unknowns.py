@@ -97,13 +97,13 @@ class Unknowns:
             "visible": (k,),
             "other": (n,),
         }
-        found = {name: np.empty(shape) for name, shape in shapes.items()}
+        arrays = {name: np.empty(shape) for name, shape in shapes.items()}
         feeling = ffi.new("control_feeling *")
         readings = ffi.new("control_measured *", [pointer(one) for one in measured])
-        for name, array in found.items():
+        for name, array in arrays.items():
             setattr(feeling, name, pointer(array))
         felt.lower, felt.upper = map(pointer, ranges)
         memory = np.empty(lib.control_feel_memory(felt))
         begin = ffi.NULL if hint is None else pointer(hint)
         lib.control_feel(felt, readings, begin, limit, struct(RULES), pointer(memory), feeling)
-        return feeling, found
+        return feeling, arrays

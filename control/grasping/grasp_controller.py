@@ -13,72 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.finger import Finger
+from control.grasping.grasp_options import PAST, GraspOptions
 from control.least_squares import CONVERGED, STATIONARY
 from control.outcomes import listed
 from control.problems import grip, rules
 from rom.brief import brief
 from rom.dataset.actuators import refuse_chambers
 
-PAST = 256  # pulls that are remembered: a reading that is older cannot be used
 SMOOTH = 0.2  # largest weight of a new reading in the smoothed contact force, with a noisy sensor [-]
 SURPRISED = 3  # consecutive unexpected readings before they get full weight
 AGAIN = 1.25  # times the lead tension when held contact is lost: its limit while the finger seeks contact again [-]
 BEYOND = 1.5  # times the lead tension predicted for the target: above it, the sensor counts as failed [-]
-DISTINCT = 1.3  # smallest ratio of a target to the force that counts as contact [-]
-
-
-@dataclass(frozen=True, kw_only=True)
-class GraspOptions:
-    """Options of a grasp.
-
-    Attributes:
-        noise: standard deviation of the force sensor [N].
-        feel: a force above this is contact [N]; three standard deviations of the noise if that is more.
-        approach_step: most that the lead tension grows in a pull while nothing is felt [N]. The force at first contact
-            is up to a fifth of this. Each pull of sensor delay adds up to another fifth.
-        squeeze_steps: pulls from touch to the held force.
-        tolerance: largest relative deviation from the target at which the force counts as held [-].
-        period: from pull to pull [s], for ages of readings and rates of tensions.
-        settling: time in which a finger follows its tensions [s]; a reading's weight is at most period / settling [-].
-        dead_band: a force this near its target is not corrected, at most the tolerance [-]. It is needed with friction:
-            when the tension change reverses, the contact sticks, and the force first changes in the wrong direction.
-        patience: pulls without a usable reading before a sensor counts as failed.
-        pulls: largest number of pulls per finger.
-    """
-
-    noise: float = 0.0
-    feel: float = 0.05
-    approach_step: float = 2.0
-    squeeze_steps: int = 3
-    tolerance: float = 0.005
-    period: float = 1e-3
-    settling: float = 0.0
-    dead_band: float = 0.0
-    patience: int = 20
-    pulls: int = 5000
-
-    def __post_init__(self) -> None:
-        for name in ("feel", "approach_step", "squeeze_steps", "tolerance", "period", "patience", "pulls"):
-            if not 0 < getattr(self, name) < np.inf:
-                raise ValueError(f"{name} must be above 0, got {getattr(self, name)}")
-        if not 0 <= self.noise < np.inf:
-            raise ValueError(f"noise must be at least 0 N, got {self.noise}")
-        for name, unit in (("settling", " s"), ("dead_band", "")):
-            if not 0 <= getattr(self, name) < np.inf:
-                raise ValueError(f"{name} must be at least 0{unit}, got {getattr(self, name)}")
-        if self.dead_band > self.tolerance:
-            raise ValueError(f"dead_band must be at most the tolerance, {self.tolerance:g}, got {self.dead_band:g}")
-
-    def gain(self, target: float) -> float:
-        """Weight of a reading's difference from the expected force [-]; the held force has noise of tolerance / 3."""
-        if self.noise == 0:
-            return self.fastest
-        return float(np.clip(2 * (self.tolerance * target / (3 * self.noise)) ** 2, 1 / PAST, self.fastest))
-
-    @property
-    def fastest(self) -> float:
-        """Largest weight of one reading [-]: period / settling, at most 1."""
-        return self.period / max(self.period, self.settling)
 
 
 @brief
@@ -123,9 +68,10 @@ class Grip:
         self.events, self.pulls = list[tuple[int, str]](), 0
         self._past: deque[np.ndarray] = deque(maxlen=PAST)
         self._target = self._aim = 0.0
-        least = DISTINCT * max(options.feel, 3 * options.noise)
-        if not least < target < np.inf:
-            raise ValueError(f"contact_force must be above {least:.3g} N to differ from no contact, got {target:g}")
+        if not options.least_target < target < np.inf:
+            raise ValueError(
+                f"contact_force must be above {options.least_target:.3g} N to differ from no contact, got {target:g}"
+            )
         self._trusted, self._held, self._cap = np.nan, False, np.inf
         self._touching = self._blind = self._surprised = self._missing = self._steady = self._seen = 0
         self._highest = float(finger.upper[finger.model.lead])
@@ -133,12 +79,12 @@ class Grip:
 
     @property
     def target(self) -> float:
-        """Contact force to hold [N]. A new one must be finite and above DISTINCT times the contact threshold."""
+        """Contact force to hold [N]. A new one must be finite and above `GraspOptions.least_target`."""
         return self._target
 
     @target.setter
     def target(self, target: float) -> None:
-        if not DISTINCT * max(self._options.feel, 3 * self._options.noise) < target < np.inf:
+        if not self._options.least_target < target < np.inf:
             if not self.events or self.events[-1][1] != "target refused":
                 self._happened("target refused")
             return
@@ -163,7 +109,7 @@ class Grip:
         lower, upper = (listed(end) for end in (finger.lower, finger.upper))
         target, end = f"contact_force {self._target:g} N", f"{finger.upper[finger.model.lead]:g} N"
         nearest, farthest = (end[-1] for end in finger.model.limits)
-        feel = f"{max(options.feel, 3 * options.noise):g} N"
+        feel = f"{options.threshold:g} N"
         return {
             "no_contact": f"contact must be felt above {feel} at lead tensions up to {end}, nothing was",
             "lost_contact": f"contact must be felt again at lead tensions up to {self._highest:g} N, nothing was",
@@ -208,7 +154,7 @@ class Grip:
             self.status = "sensor_failed"
 
     def _feels(self, felt: float, share: float = 1.0) -> bool:
-        return felt > share * max(self._options.feel, 3 * self._options.noise)
+        return felt > share * self._options.threshold
 
     def _most(self) -> float:
         """Lead tension above which the sensor counts as failed, once a force was held; before, infinite [N]."""

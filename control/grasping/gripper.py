@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from control.finger import Finger
-from control.grasping.grasp_controller import GraspOptions, Grip, Pull
+from control.grasping.grasp_controller import Grip, Pull
 from control.grasping.grasp_forces import Object, Targets, targets
+from control.grasping.grasp_options import GraspOptions
 from control.model import Model
 from control.motion import Limits
 from control.plant import Plant, age_of

@@ -24,7 +24,7 @@ class MujocoPlant:
         simulation: of the finger.
         finger: index of the finger.
         period: time between pulls [s].
-        flaws: of its sensor, which has this period; by default none.
+        flaws: of its sensor, which has this period, without friction; by default none.
         seed: of the noise.
     """
 
@@ -35,7 +35,7 @@ class MujocoPlant:
             raise ValueError(f"period must be at least a step, {simulation.model.opt.timestep:g} s, got {period:g} s")
         self.contact_force, self.age = 0.0, 0.0
         self._simulation, self._finger, self._period = simulation, finger, period
-        self._sensor = Sensor(replace(flaws or Flaws(), period=period), seed)
+        self._sensor = Sensor(replace((flaws or Flaws()).without_friction(), period=period), seed)
         self._turn = period * (finger + 1) / len(simulation.fingers)
         self._begun: float | None = None  # of its next period [s]
 

@@ -40,6 +40,7 @@ class Solid:
         mass: [kg].
         friction: [-].
         admissible_force: largest contact force of one finger without crushing [N].
+        uncertain: largest errors of the gripper's position that a plan includes, along x, y, z [m]: semi-axes.
     """
 
     shape: str
@@ -50,6 +51,7 @@ class Solid:
     mass: float
     friction: float
     admissible_force: float
+    uncertain: tuple[float, float, float] = (POSE_ERROR, POSE_ERROR, POSE_ERROR)
 
     @property
     def middle(self) -> float:
@@ -90,19 +92,26 @@ class Solid:
         hull, random = ConvexHull(self.corners), np.random.default_rng(0)
         planes = np.unique(hull.equations.round(12), axis=0)  # of triangles
         normals, ends = planes[:, :3], -planes[:, 3]
-        errors = np.array([random_error(random) for _ in range(samples)])
+        errors = np.array([random_error(random) for _ in range(samples)]) / POSE_ERROR * self.uncertain
         return np.stack([_faces(normals, ends, one, errors, self.grasped) for one in directions], axis=1)
 
     def turned(self, angle: float) -> Solid:
         """Return it turned about its axis by an angle [rad]."""
         return replace(self, corners=Rotation.from_euler("z", angle).apply(self.corners))
 
-    def best_turn(self, directions: np.ndarray, angles: int = 12) -> float:
-        """Rotation relative to the fingers that leaves most room between dropping and crushing, by `room` [rad]."""
+    def turns(self, fingers: int, angles: int = 12) -> list[float]:
+        """Rotations relative to a number of fingers that differ for them [rad]."""
         if self.shape in AROUND_AXIS:
-            return 0.0
-        ways = 2 * np.pi / len(directions) * np.arange(angles) / angles
-        return max(ways.tolist(), key=lambda way: self.turned(way).room(directions))
+            return [0.0]
+        return (2 * np.pi / fingers * np.arange(angles) / angles).tolist()
+
+    def best_turn(self, directions: np.ndarray) -> float:
+        """Rotation relative to the fingers that leaves most room between dropping and crushing, by `room` [rad]."""
+        return max(self.turns(len(directions)), key=lambda way: self.turned(way).room(directions))
+
+    def reach(self, directions: np.ndarray) -> float:
+        """Largest distance of a corner from the axis, along directions of fingers, shape (fingers, 2) [m]."""
+        return float((self.corners[:, :2] @ directions.T).max())
 
     def room(self, directions: np.ndarray, samples: int = 24) -> float:
         """Estimate the ratio of the contact forces at which fingers crush or push out a solid, and drop it [-].
@@ -181,6 +190,27 @@ def random_error(random: np.random.Generator) -> np.ndarray:
     return error * (POSE_ERROR * random.random() ** (1 / 3) / np.linalg.norm(error))
 
 
+def centre_of(corners: np.ndarray) -> np.ndarray:
+    """Centre of the volume of the convex body of corners, shape (n, 3); shape (3,) [m]."""
+    hull = ConvexHull(corners)
+    inner = corners.mean(axis=0)
+    tetrahedra = corners[hull.simplices] - inner
+    volumes = np.abs(np.linalg.det(tetrahedra))
+    return inner + (volumes[:, None] * tetrahedra.sum(axis=1) / 4).sum(axis=0) / volumes.sum()
+
+
+def half_width(corners: np.ndarray, height: float) -> float:
+    """Mean half-width of the convex body of corners, shape (n, 3), at a height [m].
+
+    The mean half-width of a plane convex outline is its perimeter over 2 pi (Cauchy).
+    """
+    corner, other = (corners[ends] for ends in np.triu_indices(len(corners), 1))
+    crosses = (corner[:, 2] - height) * (other[:, 2] - height) < 0
+    share = ((height - corner[:, 2])[crosses] / (other - corner)[crosses, 2])[:, None]
+    outline = ConvexHull((corner[crosses] + share * (other - corner)[crosses])[:, :2])
+    return float(outline.area) / (2 * np.pi)  # in a plane, `area` is the perimeter
+
+
 # MuJoCo's size, corners, height at which it is grasped, half-width there.
 Form = tuple[tuple[float, ...], np.ndarray, float, float]
 
@@ -215,9 +245,9 @@ def _mesh(random: np.random.Generator, height: float, radius: float) -> Form:
     points *= [radius, radius * random.uniform(0.8, 1.25), height / (1 + STANDS)]
     points[:, 2] = np.maximum(points[:, 2], -STANDS * height / (1 + STANDS))
     corners = points[ConvexHull(points).vertices]
-    middle = _centre(corners)
+    middle = centre_of(corners)
     corners -= [middle[0], middle[1], corners[:, 2].min()]
-    return (), corners, float(_centre(corners)[2]), radius
+    return (), corners, float(centre_of(corners)[2]), radius
 
 
 _FORMS = {"box": _box, "sphere": _sphere, "cylinder": _cylinder, "cone": _cone, "mesh": _mesh}
@@ -226,12 +256,3 @@ _FORMS = {"box": _box, "sphere": _sphere, "cylinder": _cylinder, "cone": _cone, 
 def _circle(radius: float, height: float) -> np.ndarray:
     around = 2 * np.pi * np.arange(ROUND) / ROUND
     return np.column_stack([radius * np.cos(around), radius * np.sin(around), np.full(ROUND, height)])
-
-
-def _centre(corners: np.ndarray) -> np.ndarray:
-    """Centre of the volume of a convex body [m]."""
-    hull = ConvexHull(corners)
-    inner = corners.mean(axis=0)
-    tetrahedra = corners[hull.simplices] - inner
-    volumes = np.abs(np.linalg.det(tetrahedra))
-    return inner + (volumes[:, None] * tetrahedra.sum(axis=1) / 4).sum(axis=0) / volumes.sum()

@@ -12,6 +12,9 @@ from control.mujoco.solids import Solid
 from rom import Rod
 
 STEP = 0.001  # [s]
+# Time constant of contacts of table and solid, in steps; MuJoCo's default of 20 ms lets a solid sink in by 0.3 mm, and
+# tip over on a small foot.
+HARD = 4
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 # Armature [kg, kg m^2], stiffness [N/m, N m/rad] and damping of the mount's axes along and about x, y, z, for an arm
 # with a time constant of 30 ms.
@@ -31,10 +34,11 @@ SCENE = """
   </asset>
   <worldbody>
     <light type="directional" pos="0.08 -0.1 0.8" dir="-0.08 0.1 -0.8" diffuse="0.4 0.4 0.4" specular="0.2 0.2 0.2"/>
-    <geom name="table" type="plane" size="0 0 0.1" friction="1" material="table"/>
+    <geom name="table" type="plane" size="0 0 0.1" friction="1" solref="{hard} 1" material="table"/>
     <body name="object" pos="{x} {y} {z}" quat="{quat}">
       <freejoint/>
-      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" rgba="0.2 0.5 0.8 1"/>
+      <geom name="object" {geom} mass="{mass}" friction="{friction} 0.001 0.0001" condim="4" solref="{hard} 1"
+        rgba="0.2 0.5 0.8 1"/>
     </body>
     <body name="palm" pos="0 0 {palm}" gravcomp="1">
       {joints}
@@ -77,6 +81,7 @@ def table(
     size = " ".join(map(str, solid.size))
     text = SCENE.format(
         step=step,
+        hard=HARD * step,
         asset="" if size else f'<mesh name="object" vertex="{vertices}" inertia="exact"/>',
         palm=solid.grasped + tip_height(gripper, rod, solid.radius) + error[2],
         joints=joints,
@@ -96,11 +101,20 @@ def table(
 
 def tip_height(gripper: Gripper, rod: Rod, radius: float) -> float:
     """Distance from the palm down to the plate of a free finger that touches a face at a radius [m]."""
+    return closing_at(gripper, rod, radius)[1]
+
+
+def closing_at(gripper: Gripper, rod: Rod, radius: float) -> tuple[float, float, float]:
+    """Lead tension of a free finger at a radius [N]; distances from the palm down to its inner edge and its end [m]."""
     finger, lead = gripper.fingers[0], gripper.model.lead
-    tensions, half, edges = np.zeros(len(rod.names)), rod.half_lengths, []
-    for tension in np.linspace(finger.lower[lead], finger.upper[lead], 200):
+    tensions, half = np.zeros(len(rod.names)), rod.half_lengths
+    leads, edges, ends = np.linspace(finger.lower[lead], finger.upper[lead], 200), list[np.ndarray](), list[float]()
+    for tension in leads:
         tensions[lead] = tension
         placed = rod.place(tensions)
-        edges.append(placed.centres[-1] + placed.rotations[-1] @ [half[0], half[1], 0.0])
+        inner, outer = (placed.centres[-1] + placed.rotations[-1] @ [half[0], y, 0.0] for y in (half[1], -half[1]))
+        edges.append(inner)
+        ends.append(max(inner[0], outer[0]))
     x, y, _ = np.transpose(edges)
-    return float(np.interp(gripper.radius - radius + half[1], y, x))
+    at = gripper.radius - radius + half[1]
+    return float(np.interp(at, y, leads)), float(np.interp(at, y, x)), float(np.interp(at, y, ends))

@@ -32,29 +32,29 @@ class Line(Protocol):
 
 def framed(datagram: bytes) -> bytes:
     """Encode a datagram as a frame."""
-    found = bytearray()
+    frame = bytearray()
     for part in (datagram + zlib.crc32(datagram).to_bytes(CHECK, "little")).split(b"\0"):
         # a length replaces the zero at the end of a part; 255 marks a full block without a zero
         while len(part) >= BLOCK:
-            found += b"\xff" + part[:BLOCK]
+            frame += b"\xff" + part[:BLOCK]
             part = part[BLOCK:]
-        found += bytes([len(part) + 1]) + part
-    return bytes(found) + b"\0"
+        frame += bytes([len(part) + 1]) + part
+    return bytes(frame) + b"\0"
 
 
 def datagram_of(frame: bytes) -> bytes | None:
     """Decode a frame without its last zero; None if bytes were lost or changed."""
-    found, k = bytearray(), 0
+    decoded, k = bytearray(), 0
     while k < len(frame):
         length = frame[k]
         part = frame[k + 1 : k + length]
         if len(part) != length - 1:
             return None
-        found, k = found + part, k + length
+        decoded, k = decoded + part, k + length
         if length <= BLOCK and k < len(frame):
-            found.append(0)
-    datagram = bytes(found[:-CHECK])
-    return datagram if found[-CHECK:] == zlib.crc32(datagram).to_bytes(CHECK, "little") else None
+            decoded.append(0)
+    datagram = bytes(decoded[:-CHECK])
+    return datagram if decoded[-CHECK:] == zlib.crc32(datagram).to_bytes(CHECK, "little") else None
 
 
 class SerialBridge:
@@ -92,9 +92,9 @@ class SerialBridge:
         """Send the datagrams of all complete frames; keep the begun frame."""
         *frames, begun = (self._begun + os.read(self._line.fileno(), LARGEST)).split(b"\0")
         self._begun = begun[-LARGEST:]
-        found = [datagram_of(one) for one in frames]
-        datagrams = [one for one in found if one is not None]
-        self.broken += len(found) - len(datagrams)
+        decoded = [datagram_of(one) for one in frames]
+        datagrams = [one for one in decoded if one is not None]
+        self.broken += len(decoded) - len(datagrams)
         if self._peer:
             for one in datagrams:
                 self._socket.sendto(one, self._peer)

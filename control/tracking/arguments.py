@@ -40,7 +40,7 @@ def numbers(name: str, value: Any, shape: tuple[int | None, ...], unit: str) -> 
         ValueError: the value has another shape, or entries that are not finite numbers.
     """
     try:
-        array = np.array(value, float) if not isinstance(value, str) else None
+        array = np.array(value, float) if not isinstance(value, str) and not np.iscomplexobj(value) else None
     except (TypeError, ValueError):
         array = None
     wanted = str(shape).replace("None", "n")

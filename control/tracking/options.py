@@ -23,11 +23,14 @@ class TrackingOptions:
         noise: standard deviation of the tip's readings [m].
         drift: standard deviation of the change of the model's error in a second [m/s^0.5].
         effort: weight of the square of a correction over that of the tip's error [-].
-        correction: largest correction, as a displacement of the tip [m].
+        correction: largest correction, as a displacement of the tip [m]. A plan whose simulated tip deviates more from
+            the path is refused.
         pretension: share of the limits' range; the plan takes the tensions nearest to it [-].
         feel: contact force above which a reading counts as contact [N].
         most_force: largest contact force in the plan's simulated motion, as means over a period [N]. The plan presses
             with at most half of it. Impacts have the rest: where they have more, the approach becomes slower.
+        margin: displacements of the object, nearer and farther, with which the simulated motion keeps `most_force`, too
+            [m]. Errors of the tip's position act like these.
         approach: shortest time before contact in which the tip's planned speed towards the object falls to zero [s].
         settling: time constant with which readings of the contact force correct the plan [s].
     """
@@ -43,6 +46,7 @@ class TrackingOptions:
     pretension: float = 0.05
     feel: float = 0.05
     most_force: float = np.inf
+    margin: float = 1e-4
     approach: float = 0.02
     settling: float = 0.03
 
@@ -53,6 +57,7 @@ class TrackingOptions:
             positive(name, getattr(self, name), unit)
         number("pretension", self.pretension, 0.0, highest=1.0)
         number("friction", self.friction, 0.0)
+        number("margin", self.margin, 0.0, "m")
         positive("most_force", self.most_force, "N", infinite=True)
         number("distance", self.distance, 0.0, "m", infinite=True)
         if self.density is not None:

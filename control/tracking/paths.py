@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 from control.tracking.arguments import number, numbers, positive
 
 MOST_OF_A_LAP = 0.25  # from row to row [-]
+FARTHEST = 2.0  # from the axis, over the finger's length, is no tip's reading usable [-]
+MOST_ROWS = 1_000_000
 
 
 def circle(centre: ArrayLike, radius: float, rate: float, period: float, laps: float) -> np.ndarray:
@@ -46,14 +48,15 @@ def checked_path(path: ArrayLike) -> np.ndarray:
     return rows
 
 
-def across(tip: ArrayLike | None) -> np.ndarray:
-    """Return y and z, shape (2,), of a reading of the tip, shape (3,) [m]; nan without one."""
+def across(tip: ArrayLike | None, farthest: float) -> np.ndarray:
+    """Return y and z, shape (2,), of a reading of the tip, shape (3,) [m]; nan without one within `farthest` [m]."""
     if tip is None:
         return np.full(2, np.nan)
     reading = np.asarray(tip)
     if reading.shape != (3,) or reading.dtype.kind not in "fiu":
         raise ValueError(f"tip must be numbers x, y and z [m], got {tip!r}")
-    return np.asarray(reading[1:], float)
+    found = np.asarray(reading[1:], float)
+    return found if np.abs(found).max() < farthest else np.full(2, np.nan)
 
 
 def _phase(rate: float, period: float, laps: float) -> np.ndarray:
@@ -61,6 +64,8 @@ def _phase(rate: float, period: float, laps: float) -> np.ndarray:
     positive("rate", rate, "Hz"), positive("period", period, "s"), positive("laps", laps)
     if not rate * period <= MOST_OF_A_LAP:
         raise ValueError(f"rate times period must be at most {MOST_OF_A_LAP:g} laps a row, got {rate * period:g}")
+    if not laps <= MOST_ROWS * rate * period:
+        raise ValueError(f"laps must be at most {MOST_ROWS * rate * period:g}, in {MOST_ROWS} rows, got {laps:g}")
     turns = rate * period * np.arange(1 + round((laps + 0.5) / (rate * period)))
     s = np.minimum(turns, 1.0)
     return np.asarray(2 * np.pi * (s**3 - s**4 / 2 + np.maximum(turns - 1.0, 0.0)))

@@ -10,7 +10,7 @@ from control.tracking.arguments import numbers
 from control.tracking.inverse import resting
 from control.tracking.linearised import PLANAR
 from control.tracking.options import TrackingOptions
-from control.tracking.paths import across, checked_path
+from control.tracking.paths import FARTHEST, across, checked_path
 from rom.rod.touched_segment import TouchedSegment
 
 SMOOTHING = 5e-3  # time constant of the derivative [s]
@@ -43,6 +43,7 @@ class PidController:
     ):
         self.path, self.period, t = checked_path(path), options.period, len(model.rod.names)
         self.gains = numbers("gains", gains, (3,), "-, 1/s, s")
+        self._farthest = FARTHEST * float(model.rod.rest[0])
         self._change = (limits or Limits()).rate * options.period
         self._bounds = (limits or Limits()).within(*(end[:t] for end in model.limits))
         first, middle = (
@@ -75,7 +76,7 @@ class PidController:
         if self.done:
             return self.tensions.copy()
         self.row += 1
-        error = self.path[self.row] - across(tip)
+        error = self.path[self.row] - across(tip, self._farthest)
         if not np.isfinite(error).all():
             error = self._last
         proportional, integral, derivative = self.gains

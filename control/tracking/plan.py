@@ -28,7 +28,8 @@ class Plan(NamedTuple):
         tensions: of the motors at every row, shape (n, t) [N].
         tips: the path, or the object's surface in front of it, y and z, shape (n, 2) [m].
         goals: the same with a slow approach to the surface, which feedback follows, shape (n, 2) [m].
-        contact_forces: of the object at rest, shape (n,) [N].
+        contact_forces: of the object, at rest or as means since the row before, shape (n,) [N].
+        most_force: largest one, in simulated motion also of objects nearer and farther by `margin` of the options [N].
         stiffness: derivatives of these forces by the position of the free tip, shape (n, 2) [N/m].
         gains: derivatives of tensions by the position of the free tip, shape (n, t, 2) [N/m].
         motions: derivatives of the free tip by tensions, shape (n, 2, t) [m/N].
@@ -40,11 +41,17 @@ class Plan(NamedTuple):
     tips: np.ndarray
     goals: np.ndarray
     contact_forces: np.ndarray
+    most_force: float
     stiffness: np.ndarray
     gains: np.ndarray
     motions: np.ndarray
     shares: np.ndarray
     reason: str
+
+    @property
+    def deviation(self) -> float:
+        """Largest distance of the goals from the tips [m]."""
+        return float(np.linalg.norm(self.goals - self.tips, axis=1).max())
 
 
 def differences(path: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
@@ -76,19 +83,27 @@ def planned(
     forces = pressed.out[:, 3]
     stiffness = np.einsum("nt,ntk->nk", pressed.jacobians[:, 3, :t], gains)
     shares = np.stack([np.einsum("nkt,nt->nk", motions, tensions), ahead], axis=-1)
-    change = limits.rate * options.period
-    reason = _unreached(goals, missed, bounds) or refused(tensions, forces, pressed.inside, change, options.most_force)
-    return Plan(
+    plan = Plan(
         tensions=tensions,
         tips=free_path.tips,
         goals=free_path.approached,
         contact_forces=forces,
+        most_force=float(forces.max()),
         stiffness=stiffness,
         gains=gains,
         motions=motions,
         shares=shares,
-        reason=reason,
+        reason=_unreached(goals, missed, bounds) or _outside(tensions, pressed.inside),
     )
+    return plan if plan.reason else plan._replace(reason=refused(plan, options, limits))
+
+
+def passing(plan: Plan, path: np.ndarray) -> list[int]:
+    """Return the first rows of every stretch of a path behind the object's surface in which the plan has no contact."""
+    behind = (plan.tips != path).any(axis=1)
+    first = np.flatnonzero(behind & ~np.append(False, behind[:-1])).tolist()
+    ends = [*first, len(path)][1:]
+    return [row for row, end in zip(first, ends, strict=True) if not plan.contact_forces[row:end].any()]
 
 
 def _answers(model: TouchedSegment, tensions: np.ndarray, distance: float) -> Touched:
@@ -107,19 +122,32 @@ def _unreached(goals: np.ndarray, missed: np.ndarray, bounds: Bounds) -> str:
     )
 
 
-def refused(tensions: np.ndarray, forces: np.ndarray, inside: np.ndarray, change: float, most_force: float) -> str:
-    """Return the reason to refuse tensions, with the worst row; empty if they are accepted."""
-    if not inside.all():
-        k = int(np.argmin(inside))
-        return f"path row {k} must lie in the trained domain, got tensions {listed(tensions[k])} N: move the path"
-    changes = np.abs(np.diff(tensions, axis=0)).max(axis=1)
+def _outside(tensions: np.ndarray, inside: np.ndarray) -> str:
+    """Reason to refuse tensions out of the trained domain, with the first row; empty if all are inside."""
+    k = int(np.argmin(inside))
+    if inside[k]:
+        return ""
+    return f"path row {k} must lie in the trained domain, got tensions {listed(tensions[k])} N: move the path"
+
+
+def refused(plan: Plan, options: TrackingOptions, limits: Limits) -> str:
+    """Return the reason to refuse a plan's rate of tensions, deviation or force; empty if they are accepted."""
+    changes, change = np.abs(np.diff(plan.tensions, axis=0)).max(axis=1), limits.rate * options.period
     k = int(np.argmax(changes))
     if changes[k] > change:
         return (
             f"path row {k + 1} must be reached with limits.rate, by {change:g} N a period, but needs "
             f"{changes[k]:.3g} N: slow the path"
         )
-    k = int(np.argmax(forces))
-    if forces[k] > most_force:
-        return f"path row {k} must press with at most {most_force:g} N, got {forces[k]:.3g} N: slow the path"
+    if plan.deviation > options.correction:
+        k = int(np.argmax(np.linalg.norm(plan.goals - plan.tips, axis=1)))
+        return (
+            f"path row {k} must be followed within options.correction, {options.correction:g} m, got a simulated "
+            f"distance of {plan.deviation:.3g} m: slow or smooth the path"
+        )
+    if plan.most_force > options.most_force:
+        return (
+            f"path must press with at most {options.most_force:g} N, also on an object nearer or farther by "
+            f"{options.margin:g} m, got {plan.most_force:.3g} N: slow the path, or reduce options.margin"
+        )
     return ""

@@ -6,6 +6,7 @@ learning filter is an optimal control of the linear model, see `control.tracking
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -42,7 +43,8 @@ class Simulated(NamedTuple):
 def refined(plan: Plan, model: TouchedSegment, system: Linearised, options: TrackingOptions, bounds: Bounds) -> Plan:
     """Return the plan with the least mean square of simulated errors, and its simulated tips and contact forces.
 
-    A plan whose first simulation leaves the trained domain gets a reason to refuse it.
+    Plans with allowed forces come before others. A plan whose first simulation leaves the trained domain gets a reason
+    to refuse it.
     """
     least, best, tensions = np.inf, plan, plan.tensions
     for _ in range(1 + REFINEMENTS):
@@ -51,7 +53,11 @@ def refined(plan: Plan, model: TouchedSegment, system: Linearised, options: Trac
         size = float((errors**2).mean())
         if not size < SMALLER * least:  # also without a simulated motion
             break
-        least, best = size, plan._replace(tensions=tensions, goals=found.tips, contact_forces=found.contact_forces)
+        least, most = size, _most_force(model, tensions, found, options)
+        if best is plan or best.most_force > options.most_force or most <= options.most_force:
+            best = plan._replace(
+                tensions=tensions, goals=found.tips, contact_forces=found.contact_forces, most_force=most
+            )
         corrections = inputs(system, errors, EFFORT)
         corrections[0] = 0.0  # where it begins at rest
         tensions = np.clip(tensions + np.einsum("ntk,nk->nt", plan.gains, corrections), *bounds)
@@ -60,6 +66,17 @@ def refined(plan: Plan, model: TouchedSegment, system: Linearised, options: Trac
         what = f"path row {row} must lie in the trained domain in motion"
         return plan._replace(reason=f"{what}, got tensions {listed(plan.tensions[row])} N: slow the path")
     return best
+
+
+def _most_force(model: TouchedSegment, tensions: np.ndarray, found: Simulated, options: TrackingOptions) -> float:
+    """Largest simulated force [N], also of objects nearer and farther by the margin; infinite out of the domain."""
+    most = float(found.contact_forces.max())
+    if options.distance == np.inf or options.margin == 0 or not most <= options.most_force < np.inf:
+        return most
+    for change in (-options.margin, options.margin):
+        moved = simulated(model, tensions, replace(options, distance=options.distance + change))
+        most = max(most, np.inf if np.isnan(moved.tips).any() else float(moved.contact_forces.max()))
+    return most
 
 
 def simulated(model: TouchedSegment, tensions: np.ndarray, options: TrackingOptions) -> Simulated:

@@ -15,18 +15,17 @@ from numpy.typing import ArrayLike
 
 from control.motion import Limits
 from control.outcomes import beyond
-from control.tracking.guides import motor_tensions
+from control.tracking.guides import compensated
 from control.tracking.inverse import resting
 from control.tracking.linearised import Linearised, linearised
 from control.tracking.observer import feedback
 from control.tracking.options import TrackingOptions
-from control.tracking.paths import across, checked_path
-from control.tracking.plan import Plan, planned, refused
+from control.tracking.paths import FARTHEST, across, checked_path
+from control.tracking.plan import Plan, passing, planned, refused
 from control.tracking.refinement import refined
 from rom.dataset.actuators import refuse_chambers
 from rom.rod.touched_segment import TouchedSegment
 
-FARTHEST = 2.0  # from the axis, over the finger's length, is no tip's reading usable [-]
 APPROACHES, SLOWER = 5, 1.5  # number of approaches that are tried, and ratio of their times [-]
 SOFT = 1.0  # smallest stiffness of contact that feedback of the force uses [N/m]
 PATIENCE = 20  # periods without a usable reading before the sensor counts as failed
@@ -45,8 +44,10 @@ class TrackingController:
             "sensor_failed" after PATIENCE periods without a usable reading, while the plan continues without feedback;
             it stays so after the last row.
         reason: of a refused path, in one line.
-        plan: of the path, see `control.tracking.plan`.
-        events: "blind" and "sees again", by row.
+        plan: of the path, see `control.tracking.plan`; `plan.deviation` is the largest distance of its simulated tip
+            from the path, or from the surface in front of it [m].
+        events: "blind" and "sees again", by row. Initially, "passes in front" for every row at which the path goes
+            behind the object's surface and the planned tip does not touch it: an impact would exceed `most_force`.
 
     Args:
         model: of the finger before one object.
@@ -78,8 +79,10 @@ class TrackingController:
         self.model, rows, t = model, checked_path(path), len(model.rod.names)
         nearest, farthest = (end[-1] for end in model.limits)
         own = self.options
-        if own.distance != np.inf and (reason := beyond("distance", own.distance, nearest, farthest, "m")):
-            raise ValueError(reason)
+        room = own.margin if own.most_force < np.inf else 0.0
+        ends = nearest + room, farthest - room
+        if own.distance != np.inf and (reason := beyond("distance", own.distance, *ends, "m")):
+            raise ValueError(f"{reason}, with options.margin of {room:g} m")
         self._bounds = self.limits.within(*(end[:t] for end in model.limits))
         middle = resting(model, rows.mean(axis=0), own.pretension, self._bounds)
         system = linearised(model, middle, own.density, own.period)
@@ -94,7 +97,8 @@ class TrackingController:
         self.row, self.tensions = 1, self.plan.tensions[0 if self.reason else 1].copy()
         self._inputs, self._at, self._blind = np.zeros((len(rows), 2)), 1, 0
         self._state, self._unknown, self._ended = np.zeros(len(system.a)), np.zeros(4), False
-        self._pressing, self.events = 0.0, list[tuple[int, str]]()
+        self._pressing = 0.0
+        self.events = [] if self.reason else [(row, "passes in front") for row in passing(self.plan, rows)]
 
     def _planned(self, path: np.ndarray, system: Linearised) -> Plan:
         """The plan with the fastest approach whose simulated contact forces are allowed, or the reason of the last."""
@@ -103,15 +107,12 @@ class TrackingController:
             plan = planned(self.model, path, system, options, self.limits)
             if not plan.reason:
                 plan = refined(plan, self.model, system, options, self._bounds)
-            if not plan.contact_forces.max() > options.most_force:
+            if not plan.most_force > options.most_force:
                 break
             options = replace(options, approach=SLOWER * options.approach)
         if options.friction > 0 and not plan.reason:
-            plan = plan._replace(tensions=motor_tensions(self.model, plan.tensions, options.friction, self._bounds))
-        change = self.limits.rate * options.period
-        inside = np.ones(len(path), bool)
-        reason = plan.reason or refused(plan.tensions, plan.contact_forces, inside, change, options.most_force)
-        return plan._replace(reason=reason)
+            plan = compensated(plan, self.model, options.friction, self._bounds)
+        return plan._replace(reason=plan.reason or refused(plan, options, self.limits))
 
     @property
     def inertia(self) -> np.ndarray:
@@ -145,7 +146,7 @@ class TrackingController:
             return self.tensions.copy()
         row = self.row - round(age / self.options.period) if np.isfinite(age) else -1
         self._press(row, felt)
-        self._observe(row, across(tip), felt)
+        self._observe(row, across(tip, FARTHEST * self.model.rod.rest[0]), felt)
         if self.row + 1 == len(self._inputs):
             self._ended, self.status = True, "done" if self.status == "moving" else self.status
             return self.tensions.copy()
@@ -183,7 +184,7 @@ class TrackingController:
 
     def _observe(self, row: int, tip: np.ndarray, felt: float) -> None:
         """Correct the estimate by a reading of an earlier row."""
-        usable = bool(self._at <= row <= self.row and np.abs(tip).max() < FARTHEST * self.model.rod.rest[0])
+        usable = bool(self._at <= row <= self.row and np.isfinite(tip).all())
         if usable and self._blind >= PATIENCE:
             self.events.append((self.row, "sees again"))
         self._blind = 0 if usable else self._blind + 1

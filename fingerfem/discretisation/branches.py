@@ -73,10 +73,10 @@ class Branches:
 
     def elastic_stress(self) -> np.ndarray:
         """S at the displacement of now where there are branches, shape (cells, points, 3, 3) [Pa]."""
-        found = np.zeros(self._shape)
+        stresses = np.zeros(self._shape)
         for _, expression, cells in self._parts:
-            found[cells] = expression.eval(self._mesh, cells).reshape(-1, *self._shape[1:])
-        return found
+            stresses[cells] = expression.eval(self._mesh, cells).reshape(-1, *self._shape[1:])
+        return stresses
 
     def stay(self) -> None:
         """Have the forms take the overstress as it is now, whatever the displacement."""

@@ -23,12 +23,12 @@ def walls(scene: Scene, section: PlaneMesh, lines: np.ndarray, facets: np.ndarra
     """Facets of every chamber's wall, among those with midpoints of shape (n, 3) [m] before sections are scaled."""
     if not scene.chambers:
         return []
-    tree, found = cKDTree(facets) if len(facets) else None, []
+    tree, facets_by_chamber = cKDTree(facets) if len(facets) else None, []
     for chamber, cavity in zip(scene.chambers, scene.outline.cavities, strict=True):
         wanted = _midpoints(section, cavity.tag, lines, chamber.x)
         near = [] if tree is None else tree.query_ball_point(wanted, scene.outline.tolerance)
-        found.append(np.unique(np.concatenate([np.zeros(0, int), *map(np.array, near)]).astype(int)))
-    return found
+        facets_by_chamber.append(np.unique(np.concatenate([np.zeros(0, int), *map(np.array, near)]).astype(int)))
+    return facets_by_chamber
 
 
 def _midpoints(section: PlaneMesh, tag: int, lines: np.ndarray, limits: list[float]) -> np.ndarray:

@@ -109,9 +109,9 @@ class DeformationLimits:
 
     def beyond_data(self) -> dict[str, tuple[tuple[float, float], bool]]:
         """Extreme stretches by material whose law names those of its data, and whether they exceed these."""
-        found = {}
+        extremes = {}
         for name, law, cells, strain in self._materials:
             if law.stretches is not None and strain is not None:
                 low, high = self._extremes(strain, cells)
-                found[name] = (low, high), not (law.stretches[0] <= low and high <= law.stretches[1])
-        return found
+                extremes[name] = (low, high), not (law.stretches[0] <= low and high <= law.stretches[1])
+        return extremes

@@ -143,18 +143,18 @@ def compile_forms(scene: Scene, mesh: FingerMesh, fields: Fields) -> Forms:
 def _other_actuators(scene: Scene, mesh: FingerMesh, fields: Fields) -> list[tuple[Any, Any]]:
     """Potentials of straight tendons and of chambers [J], each at the loads and at the probe."""
     x, u, degree = ufl.SpatialCoordinate(mesh.mesh), fields.u, quadrature_degree(scene.mesh.order)
-    found: list[tuple[Any, Any]] = []
+    potentials: list[tuple[Any, Any]] = []
     if any(tendon.path == "straight" for tendon in scene.tendons):
         holes = volume_measure(mesh, degree)((regions.PLATE_HOLE, regions.TIP_HOLE))
         densities = fields.tension_density, fields.probe_density
         one, other = (tendons.straight(density, x, u, fields.size) * holes for density in densities)
-        found.append((one, other))
+        potentials.append((one, other))
     if fields.pressure is not None and fields.probe_pressure is not None:
         rule = {"quadrature_degree": degree}  # exact on cells with straight edges
         wall = ufl.Measure("ds", mesh.mesh, subdomain_data=mesh.facets, metadata=rule)(regions.WALL)
         volume = chambers.enclosed(x, u, ufl.FacetNormal(mesh.mesh))
-        found.append((-fields.pressure * volume * wall, -fields.probe_pressure * volume * wall))
-    return found
+        potentials.append((-fields.pressure * volume * wall, -fields.probe_pressure * volume * wall))
+    return potentials
 
 
 def surface_measure(scene: Scene, mesh: FingerMesh) -> ufl.Measure:
@@ -187,8 +187,8 @@ class ContactGroup(NamedTuple):
 def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, distance: Any) -> list[ContactGroup]:
     """The groups of facets before a body of a scene's obstacle, which `distance` [m] moves.
 
-    Plates of a scene with a round one are not among them: see `closest_points`. Those of all bodies have the same
-    measures, in the same order.
+    Plates are not among them if contact is between nodes: see `closest_points`. Those of all bodies have the
+    same measures, in the same order.
     """
     assert scene.obstacle is not None
     domain = ds.ufl_domain()
@@ -198,7 +198,7 @@ def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, di
     if scene.obstacle.method == "nitsche":
         energy = strain_energy.energy(scene.law, number)
         q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
-    if not obstacles.all_flat(obstacles.bodies(scene.obstacle, scene.geometry.shape.top)):
+    if not obstacles.touch_at_nodes(scene):
         rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(contact.POINTS[0]))
         return [ContactGroup(rubber, g, normal, curvature, fields.stiffness, q)]
     if scene.obstacle.method == "penalty":

@@ -71,21 +71,21 @@ class GuideLayers:
     def turns(self) -> list[np.ndarray]:
         """Angles between each layer's mean direction and that of the layer before, or the axis at the clamp [rad]."""
         by_cell = np.stack([fem.assemble_vector(form).array for form in self._paths], axis=-1)
-        found = []
+        angles = []
         for cells in self.cells:
             ways = np.array([[1.0, 0.0, 0.0], *(by_cell[layer].sum(axis=0) for layer in cells)])
             ways /= np.linalg.norm(ways, axis=1)[:, None]
             sines = np.linalg.norm(np.cross(ways[1:], ways[:-1]), axis=1)
-            found.append(np.arctan2(sines, np.sum(ways[1:] * ways[:-1], axis=1)))
-        return found
+            angles.append(np.arctan2(sines, np.sum(ways[1:] * ways[:-1], axis=1)))
+        return angles
 
     def gradients(self) -> list[PETSc.Vec]:
         """Gradients of all layers' lengths by the displacement, tendon by tendon [-]; the caller destroys them."""
         problem = self._problem
-        density, found = problem.fields.probe_density.x.array, []
+        density, gradients = problem.fields.probe_density.x.array, []
         for cells, area in zip(self.cells, self._areas, strict=True):
             for layer in cells:
                 density[:] = 0.0
                 density[layer] = 1.0 / area
-                found.append(problem.gradient(problem.forms.actuator_force))
-        return found
+                gradients.append(problem.gradient(problem.forms.actuator_force))
+        return gradients

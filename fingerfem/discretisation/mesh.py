@@ -38,11 +38,11 @@ class FingerMesh:
 
         The measure of a channel is its area at the clamp [m^2], that of a hole its volume [m^3].
         """
-        found = _of_tendon(scene, k, self.midpoints[0], self.columns)
+        cells = _of_tendon(scene, k, self.midpoints[0], self.columns)
         area, tendon = self.section.column_area(scene.outline.columns[k].tag), scene.tendons[k]
         if tendon.path == "channel":
-            return found, area
-        return found, area * scene.geometry.plate * float(scene.geometry.sizes[tendon.segment - 1]) ** 3
+            return cells, area
+        return cells, area * scene.geometry.plate * float(scene.geometry.sizes[tendon.segment - 1]) ** 3
 
 
 def build_mesh(scene: Scene, comm: MPI.Comm) -> FingerMesh:
@@ -119,11 +119,11 @@ def _regions(scene: Scene, x: np.ndarray, columns: np.ndarray, materials: np.nda
     channel, hole = anywhere("channel"), anywhere("straight")
     in_plate = np.any([(x > a) & (x < b) for a, b in scene.outline.plates], axis=0)
     in_tip = x > scene.outline.plates[-1][0]
-    found = np.where(channel, regions.RUBBER_CHANNEL, regions.RUBBER) + regions.OF_MATERIAL * materials
+    region = np.where(channel, regions.RUBBER_CHANNEL, regions.RUBBER) + regions.OF_MATERIAL * materials
     plate = np.where(channel, regions.PLATE_CHANNEL, np.where(hole, regions.PLATE_HOLE, regions.PLATE))
-    found[in_plate] = plate[in_plate]
-    found[in_tip] = np.where(hole, regions.TIP_HOLE, regions.TIP_PLATE)[in_tip]
-    return found.astype(np.int32)
+    region[in_plate] = plate[in_plate]
+    region[in_tip] = np.where(hole, regions.TIP_HOLE, regions.TIP_PLATE)[in_tip]
+    return region.astype(np.int32)
 
 
 def _faces(scene: Scene, x: np.ndarray) -> np.ndarray:

@@ -84,8 +84,8 @@ class Problem(Assembly):
         return contact.stiffness(obstacle.stiffness_factor, modulus, self.mesh.smallest)
 
     def _stiff_facets(self) -> StiffFacets | None:
-        """Facets of plates, if a body is round."""
-        if self.scene.obstacle is None or obstacles.all_flat(self.bodies):
+        """Facets of plates, if contact is between nodes."""
+        if self.scene.obstacle is None or obstacles.touch_at_nodes(self.scene):
             return None
         facets = np.concatenate([self.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
         stiffer = contact.PLATES if self.scene.obstacle.method == "nitsche" else 1.0
@@ -262,8 +262,8 @@ class Problem(Assembly):
 
     @cached_property
     def contact_points(self) -> ContactPoints:
-        """Possible contact points of this rank's surface: the nodes, and before a round body points between them."""
-        if obstacles.all_flat(self.bodies):
+        """Possible contact points of this rank's surface: the nodes, or points between them, too."""
+        if obstacles.touch_at_nodes(self.scene):
             facets = np.sort(np.concatenate([self.mesh.facets.find(kind) for kind in regions.SURFACE]))
             nodes = fem.locate_dofs_topological(self.space, self.mesh.mesh.topology.dim - 1, facets)
             return contact_points.at_nodes(self.space, nodes)
@@ -281,8 +281,8 @@ class Problem(Assembly):
         In free space this is the distance at which the obstacle is touched; -inf if it passes by.
         """
         places = self.surface_places()
-        found = max(float(one.touch_distance(places).max(initial=-np.inf)) for one in self.bodies)
-        return float(self.comm.allreduce(found, op=MPI.MAX))
+        farthest = max(float(one.touch_distance(places).max(initial=-np.inf)) for one in self.bodies)
+        return float(self.comm.allreduce(farthest, op=MPI.MAX))
 
     def penetration(self) -> float:
         """Largest penetration of the surface into the obstacle [m]; 0 if it is away."""
@@ -290,8 +290,8 @@ class Problem(Assembly):
             return 0.0
         places = self.surface_places().T
         gaps = [one.signed_distance(places, self.distance, obstacles.NUMPY) for one in self.bodies]
-        found = -float(self.comm.allreduce(float(np.min(gaps, initial=np.inf)), op=MPI.MIN))
-        return max(found, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
+        deepest = -float(self.comm.allreduce(float(np.min(gaps, initial=np.inf)), op=MPI.MIN))
+        return max(deepest, 0.0 if self.contact is None else self.contact.penetration(), 0.0)
 
     def smallest_volume_ratio(self) -> float:
         """Min J that the law sees [-]: where rubber has a pressure of its own, at the points of that pressure."""

@@ -180,8 +180,8 @@ class Tangent:
         add = PETSc.InsertMode.ADD_VALUES
         self.matrix.setValuesLocalCSR(self._starts, self._columns, values, add)
         if self._springs is not None:
-            found = self._springs()
-            for nodes, block in zip(found.nodes.astype(np.int32), found.stiffness, strict=True):
+            springs = self._springs()
+            for nodes, block in zip(springs.nodes.astype(np.int32), springs.stiffness, strict=True):
                 kept = ~self._held[(3 * nodes[:, None] + np.arange(3)).ravel()]
                 self.matrix.setValuesBlockedLocal(nodes, nodes, block * np.outer(kept, kept), add)
         if self._others is not None:

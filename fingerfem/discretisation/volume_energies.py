@@ -78,24 +78,24 @@ def rubber_terms(
 
     With what viscoelastic branches add to them, if there are any.
     """
-    found = []
+    terms = []
     for k, law in enumerate(laws):
         where = regions.of_material(k)
         relaxes = overstress is not None and law.prony is not None
         if not law.is_mixed and not relaxes:
-            found.append(Term(strain_energy.energy(law, number), where, degree))
+            terms.append(Term(strain_energy.energy(law, number), where, degree))
             continue
         distortional, volumetric = strain_energy.parts(law, number)
         assert volumetric is not None  # a law without one has no branches, and stays below where mixed begins
         dilatational = strain_energy.of_strain(volumetric)
         if overstress is not None and relaxes:
             distortional = _stiffened(distortional, overstress.shares[k])
-            found.append(Term(lambda C: ufl.inner(overstress.stress, C) / 2, where, degree))
-        found.append(Term(distortional, where, degree))
-        found.append(
+            terms.append(Term(lambda C: ufl.inner(overstress.stress, C) / 2, where, degree))
+        terms.append(Term(distortional, where, degree))
+        terms.append(
             Term(dilatational, where, degree - 1, volumetric) if law.is_mixed else Term(dilatational, where, degree)
         )
-    return found
+    return terms
 
 
 def _stiffened(energy: strain_energy.Isotropic, share: fem.Constant) -> strain_energy.Isotropic:

@@ -33,7 +33,7 @@ def simulate(
 ) -> None:
     """Move a finger in time with the full-order model: inertia, viscoelastic branches, impacts.
 
-    Interrupted, the same command goes on. A step that fails is repeated smaller.
+    After an interruption, the same command continues. A step that fails is repeated smaller.
     """
     require(*SOLVING, "matplotlib")
     from fingerfem.dynamics.generalised_alpha import MotionStopped

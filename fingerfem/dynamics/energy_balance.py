@@ -89,7 +89,7 @@ class EnergyBalance:
             "actuators": -float((now.tensions + ahead.tensions) @ (self._actuated() - self._lengths)) / 2,
             "body": float((now.body + ahead.body) @ moved) / 2 * self._problem.copies,
             "branches": float((now.branches + ahead.branches) @ moved) / 2 * self._problem.copies,
-            "obstacle": self._obstacle_work(now, ahead),
+            "obstacle": self._obstacle_work(now, ahead, state.impact),
         }
         gained = kinetic + strain + contact - was.kinetic - was.strain - was.contact
         lost = works["actuators"] + works["body"] + works["obstacle"] - works["branches"] - gained
@@ -99,10 +99,11 @@ class EnergyBalance:
             was, kinetic=kinetic, strain=strain, contact=contact, lost=was.lost + lost, largest=largest, **summed
         )
 
-    def _obstacle_work(self, now: Forces, ahead: Forces) -> float:
+    def _obstacle_work(self, now: Forces, ahead: Forces, impact: float) -> float:
         if self._distance is None or self._problem.distance is None:
             return 0.0
-        return -(now.obstacle + ahead.obstacle) * (self._problem.distance - self._distance) / 2
+        force = (now.obstacle + ahead.obstacle) / 2 + impact
+        return -force * (self._problem.distance - self._distance)
 
     def _energies(self, state: MovingState) -> tuple[float, float, float]:
         problem = self._problem

@@ -7,7 +7,12 @@ acceleration a, the step h and internal forces I, those of loads among them, a s
     u1 = u0 + h v0 + h^2 ((1/2 - b) a0 + b a1)        v1 = v0 + h ((1 - c) a0 + c a1)
 
 with am, af, b and c of the spectral radius. It is of second order. Contact forces C1 are those at the end alone, and
-the velocity of what presses is that of `persistency`: an impact takes energy and makes none.
+the velocity of what presses is that of `persistency`: an impact takes energy and makes none. There the obstacle takes
+more momentum. With the velocity and the acceleration at both ends of a step, those after `persistency`,
+
+    M (v1 - v0) / h + (1/2 - af) M (a1 - a0) = -(1 - af) I1 - af I0 - C1 - D:
+
+D is the force of impact.
 """
 
 from __future__ import annotations
@@ -66,6 +71,7 @@ class MovingState:
         displacement, velocity, acceleration: seen from the base, owned values, shape (3 nodes,) [m], [m/s], [m/s^2].
         rotation: of the base, shape (3, 3) [-].
         overstresses: of viscoelastic branches, shape (branches, cells, points, 3, 3) [Pa].
+        impact: mean over the step before on the obstacles, in addition to the contact force at its end [N].
     """
 
     time: float
@@ -74,6 +80,7 @@ class MovingState:
     acceleration: np.ndarray = field(repr=False)
     rotation: np.ndarray
     overstresses: np.ndarray = field(repr=False)
+    impact: float = 0.0
 
 
 class Stepper:
@@ -98,8 +105,9 @@ class Stepper:
         stresses = np.zeros(0) if branches is None else branches.stresses
         rest = np.zeros_like(u)
         v = rest if velocity is None else velocity
-        motion = {"displacement": u, "velocity": v, "acceleration": rest}
-        first = MovingState(time=0.0, **motion, rotation=np.eye(3), overstresses=stresses)
+        first = MovingState(
+            time=0.0, displacement=u, velocity=v, acceleration=rest, rotation=np.eye(3), overstresses=stresses
+        )
         return self.started(first)
 
     def started(self, state: MovingState) -> MovingState:
@@ -175,11 +183,19 @@ class Stepper:
             problem.branches.settle(h)
         if problem.contact is not None:
             problem.contact.weigh(1.0)
+        impact = 0.0
         if self._persistency is not None and self.motion.loads(end, after=False)[1] is not None:
-            v1, a1 = self._persistency.keep([v1, a1], h, self._obstacle_speed(state.time, end))
+            v1, a1, momentum, force = self._persistency.keep(v1, a1, h, self._obstacle_speed(state.time, end))
+            impact = momentum / h + (0.5 - scheme.alpha_f) * force
         kept = np.zeros(0) if problem.branches is None else problem.branches.stresses
         reached = MovingState(
-            time=end, displacement=u1, velocity=v1, acceleration=a1, rotation=rotation, overstresses=kept
+            time=end,
+            displacement=u1,
+            velocity=v1,
+            acceleration=a1,
+            rotation=rotation,
+            overstresses=kept,
+            impact=impact,
         )
         return reached, abs(scheme.beta - 1 / 6) * h**2 * self._mean(a1 - a0) / problem.scene.geometry.length
 

@@ -91,7 +91,7 @@ class Records:
         if str(whole["digest"]) != self._digest:
             raise ValueError(f"{self._folder} must have this motion of this scene; name a new folder, got another's")
         time, balance = float(whole["time"]), dict(zip(ENERGIES, whole["balance"].tolist(), strict=True))
-        state = MovingState(time=time, **{name: whole[name] for name in FIELDS})
+        state = MovingState(time=time, **{name: whole[name] for name in FIELDS} | {"impact": float(whole["impact"])})
         return Moment(state, Balance(**balance), float(whole["step"]), int(whole["repeated"]))
 
     def _read_rows(self, until: float) -> list[dict[str, float]]:

@@ -156,7 +156,7 @@ class Simulation:
         return balance
 
     def row(self, moment: Moment) -> dict[str, float]:
-        """The row of a moment: time [s], tip [m] and its turn [rad], loads, force [N], energies [J]."""
+        """The row of a moment: time [s], tip [m], its turn [rad], loads, mean contact force [N], energies."""
         state, problem = moment.state, self.problem
         self._stepper.place(state, after=False)
         tip, turn = problem.tip(), self._turn()
@@ -165,7 +165,7 @@ class Simulation:
         found |= dict(zip(self.scene.actuators, problem.tensions.tolist(), strict=True))
         if problem.contact is not None:
             found |= {"d": np.nan if problem.distance is None else problem.distance}
-            found |= {"contact_force": problem.contact.force()}
+            found |= {"contact_force": problem.contact.force() + state.impact}
         energies = moment.balance.as_dict()
         energies.pop("largest")
         return found | energies | {"repeated": moment.repeated}

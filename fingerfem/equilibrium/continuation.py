@@ -151,7 +151,10 @@ class Continuation:
             self.distance = None
             self._set_loads()
         part = "" if self.weight == 1 else f" ({self.weight:.0%} of the weight acts there)"
-        return LoadNotReached(reason + part, self.tensions.copy(), self.distance, len(self.problem.scene.chambers))
+        scene = self.problem.scene
+        chambers, stiffness = len(scene.chambers), scene.law.young_modulus * scene.geometry.thinnest_area
+        compression = float(self.tensions[: len(scene.tendons)].sum()) / stiffness
+        return LoadNotReached(reason + part, self.tensions.copy(), self.distance, chambers, compression)
 
     def _sizes(self, target: Loads) -> tuple[float, float]:
         """Largest and first step, as fractions of the path."""

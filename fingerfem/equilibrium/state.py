@@ -97,13 +97,13 @@ class State:
     @property
     def marks(self) -> list[str]:
         """Sentences with the reasons not to rely on the state."""
-        found = ["the finger passes through itself: contact with itself is not modelled"] * self.self_intersecting
+        sentences = ["the finger passes through itself: contact with itself is not modelled"] * self.self_intersecting
         if self.stable is False:
-            found.append("the equilibrium is not stable: the finger would leave it")
+            sentences.append("the equilibrium is not stable: the finger would leave it")
         for name, (low, high) in (self.guesses or {}).items():
             law = "the law" if name == "rubber" else f"the law of {name}"
-            found.append(f"{law} is a guess at stretches of {low:.3g} to {high:.3g}: see material.stretches")
-        return found
+            sentences.append(f"{law} is a guess at stretches of {low:.3g} to {high:.3g}: see material.stretches")
+        return sentences
 
     def tables(self) -> list[Table | str]:
         """Tables for people."""
@@ -164,11 +164,11 @@ def observe(
 
 def stretches(problem: Problem) -> dict[str, Any]:
     """Range of the rubber's stretches, and whether it exceeds the data of a law; empty without data."""
-    found = problem.limits.beyond_data()
-    if not found:
+    extremes_by_material = problem.limits.beyond_data()
+    if not extremes_by_material:
         return {}
-    lows, highs = zip(*(extremes for extremes, _ in found.values()), strict=True)
-    guesses = {name: list(extremes) for name, (extremes, is_beyond) in found.items() if is_beyond}
+    lows, highs = zip(*(extremes for extremes, _ in extremes_by_material.values()), strict=True)
+    guesses = {name: list(extremes) for name, (extremes, is_beyond) in extremes_by_material.items() if is_beyond}
     return {"stretches": [min(lows), max(highs)], "beyond_data": bool(guesses), "guesses": guesses or None}
 
 
@@ -203,15 +203,15 @@ def _contact(problem: Problem) -> dict[str, Any]:
         return {}
     forces = contact.forces()
     force = float(forces.sum())
-    found: dict[str, Any] = {"contact_force": force}
+    results: dict[str, Any] = {"contact_force": force}
     if len(forces) > 1:
-        found["contact_forces"] = forces
+        results["contact_forces"] = forces
     if obstacle.pad is not None:
-        found |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
+        results |= {"pad": obstacle.pad.name, "pad_pressure": pad_pressure(problem)}
     if problem.distance is not None:
         away = contact.gap_work() / (force * problem.scene.geometry.side) if force else 0.0
-        found |= {"penetration": problem.penetration(), "complementarity": away}
-    return found
+        results |= {"penetration": problem.penetration(), "complementarity": away}
+    return results
 
 
 def _sensitivities(continuation: Continuation) -> dict[str, Any]:
@@ -221,24 +221,24 @@ def _sensitivities(continuation: Continuation) -> dict[str, Any]:
         linearisation = continuation.linearise()
     except NotConverged:
         return {"stable": False}
-    found = differentiate(problem, linearisation)
-    names = list(problem.scene.parameter_names[: len(found.tip)])
+    sensitivities = differentiate(problem, linearisation)
+    names = list(problem.scene.parameter_names[: len(sensitivities.tip)])
     tendons = [tendon.name for tendon in problem.scene.tendons]
     answer: dict[str, dict[str, Any]] = {
-        "tip": dict(zip(names, found.tip, strict=True)),
-        "channel_shortening": _by_name(names, tendons, found.channel_shortening),
+        "tip": dict(zip(names, sensitivities.tip, strict=True)),
+        "channel_shortening": _by_name(names, tendons, sensitivities.channel_shortening),
     }
     if problem.scene.chambers:
         chambers = [chamber.name for chamber in problem.scene.chambers]
-        answer["chamber_volumes"] = _by_name(names, chambers, found.chamber_volumes)
-    if found.contact_force is not None:
-        answer["contact_force"] = dict(zip(names, found.contact_force.tolist(), strict=True))
+        answer["chamber_volumes"] = _by_name(names, chambers, sensitivities.chamber_volumes)
+    if sensitivities.contact_force is not None:
+        answer["contact_force"] = dict(zip(names, sensitivities.contact_force.tolist(), strict=True))
     return {
         # Stability under following loads depends on the loads, not on the finger alone.
         "stable": None if problem.wrenches.any() else linearisation.stable,
-        "plate_motion": found.plate_motion,
+        "plate_motion": sensitivities.plate_motion,
         "sensitivities": answer,
-        "displacement_sensitivities": dict(zip(names, found.displacement, strict=True)),
+        "displacement_sensitivities": dict(zip(names, sensitivities.displacement, strict=True)),
     }
 
 

@@ -65,7 +65,7 @@ def sensitivities(found: Mapping[str, Any], parameters: list[str]) -> Table:
 
 def _scalars(quantity: str, by_parameter: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     """A quantity's components by their names: each by the parameters."""
-    found: dict[str, dict[str, float]] = {}
+    components: dict[str, dict[str, float]] = {}
     for parameter, value in by_parameter.items():
         named = value if isinstance(value, Mapping) else {"": value}
         if isinstance(value, list):
@@ -74,8 +74,8 @@ def _scalars(quantity: str, by_parameter: Mapping[str, Any]) -> dict[str, dict[s
             title = f"{quantity.replace('_', ' ')} {name}".strip()
             if isinstance(value, Mapping):
                 title = f"volume of {name}" if quantity == "chamber_volumes" else f"{name} shortened by"
-            found.setdefault(title, {})[parameter] = float(one)
-    return found
+            components.setdefault(title, {})[parameter] = float(one)
+    return components
 
 
 def unit_of(name: str, chambers: Container[str] = ()) -> str:

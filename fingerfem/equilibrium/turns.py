@@ -43,11 +43,11 @@ def turns(problem: Problem) -> Turns:
 
 def _by_pressure(problem: Problem, bending: float) -> np.ndarray:
     """Rotations by every chamber's pressure on its end, shape (chambers,) [rad/Pa]."""
-    section, found = problem.mesh.section, []
+    section, rotations = problem.mesh.section, []
     for chamber, cavity in zip(problem.scene.chambers, problem.scene.outline.cavities, strict=True):
         area, offset = section.column_area(cavity.tag), section.column_centroid(cavity.tag)
         if problem.scene.is_half:
             offset[1] = 0.0
         lever = float(np.linalg.norm(offset)) * (chamber.x[1] - chamber.x[0])
-        found.append(area * (lever / bending + 1 / problem.force_scale))
-    return np.array(found)
+        rotations.append(area * (lever / bending + 1 / problem.force_scale))
+    return np.array(rotations)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from fingerfem.material_fit.doubts import doubts
 from fingerfem.material_fit.linear import fit_linear
 from fingerfem.material_fit.measurements import Measurement
 from fingerfem.material_fit.ogden import fit_ogden
@@ -27,6 +28,7 @@ DIGITS = 8  # of a constant
 # A fit takes the rubber as incompressible: at a stretch of 2 the law's stress is lower by 2 % with 0.49, 0.2 % with
 # 0.499 [-].
 POISSON = (0.49, 0.49999)
+WORST = 0.2  # error on points left out, over the peak stress, above which no law is usable [-]
 ENOUGH = 1e-3  # of the peak: a smaller difference of errors does not pay for another constant [-]
 
 
@@ -82,12 +84,14 @@ class Comparison:
         stretches: lowest and highest principal stretch of the data [-].
         fits: in the order of LAWS.
         chosen: the best of them; None if no law is usable.
+        doubts: what is unlikely in the tests and in the best law, each as one line.
     """
 
     measurements: Sequence[Measurement]
     stretches: tuple[float, float]
     fits: Sequence[Fit]
     chosen: Fit | None
+    doubts: Sequence[str] = ()
 
 
 def compare(
@@ -116,8 +120,14 @@ def compare(
     usable = [one for one in fits if one.left_out is not None]
     least = min((one.left_out.rms for one in usable if one.left_out), default=0.0)
     near = [one for one in usable if one.left_out and one.left_out.rms <= least + ENOUGH]
-    chosen = min(near, key=lambda one: one.constants, default=None)
-    return Comparison(measurements=measurements, stretches=stretches, fits=fits, chosen=chosen)
+    best = min(near, key=lambda one: one.constants, default=None)
+    return Comparison(
+        measurements=measurements,
+        stretches=stretches,
+        fits=fits,
+        chosen=best if least <= WORST else None,
+        doubts=doubts(measurements, best),
+    )
 
 
 def fit(name: str, points: Points, terms: int, nu: float, stretches: tuple[float, float]) -> Fit:
@@ -178,12 +188,12 @@ def unchecked(name: str, table: dict[str, Any]) -> Law:
 
 def predicted(name: str, points: Points, terms: int, stable: tuple[float, float] | None) -> np.ndarray:
     """The stress of each point by a fit to those of other folds, shape (points,) [Pa]."""
-    found = np.empty(len(points.stress))
+    stresses = np.empty(len(points.stress))
     for fold in range(FOLDS):
         left_out = points.fold == fold
         law = unchecked(name, fitted(name, points.where(~left_out), terms, stable))
-        found[left_out] = stress(law, points.where(left_out))
-    return found
+        stresses[left_out] = stress(law, points.where(left_out))
+    return stresses
 
 
 def stress(law: Law, points: Points) -> np.ndarray:

@@ -45,9 +45,9 @@ def fit_linear(
 
     terms = points.by_mode(stresses)
     A, b = terms * points.scale[:, None], points.stress * points.scale
-    found = np.linalg.lstsq(A, b)[0] if stable is None else least_squares_in_cone(A, b, work(units, stable))
-    found[np.abs(found) < ABSENT * np.abs(found).max()] = 0.0
-    return dict(zip(names, found.tolist(), strict=True))
+    constants = np.linalg.lstsq(A, b)[0] if stable is None else least_squares_in_cone(A, b, work(units, stable))
+    constants[np.abs(constants) < ABSENT * np.abs(constants).max()] = 0.0
+    return dict(zip(names, constants.tolist(), strict=True))
 
 
 def least_squares_in_cone(A: np.ndarray, b: np.ndarray, G: np.ndarray) -> np.ndarray:

@@ -100,7 +100,7 @@ def read_measurements(path: str | Path, test: str | None = None, to: float | Non
 def _header(table: CsvTable, test: str | None) -> Header:
     """Columns by their names in the table's first line."""
     where, names = table.where(table.first), table.names
-    found: dict[str, list[int]] = {"test": [], "elongation": [], "stress": []}
+    columns: dict[str, list[int]] = {"test": [], "elongation": [], "stress": []}
     true = []
     for index, name in enumerate(names):
         lower = name.lower()
@@ -108,21 +108,21 @@ def _header(table: CsvTable, test: str | None) -> Header:
         if kind and TRUE.search(lower):
             true.append(name.strip())
         elif kind or lower.strip() == "test":
-            found[kind or "test"].append(index)
+            columns[kind or "test"].append(index)
     for kind, title in (("elongation", "a stretch or a nominal strain"), ("stress", "a nominal stress")):
-        if len(found[kind]) != 1:
-            given = [names[index].strip() for index in found[kind]] or true or [name.strip() for name in names]
+        if len(columns[kind]) != 1:
+            given = [names[index].strip() for index in columns[kind]] or true or [name.strip() for name in names]
             raise Refused(f"{where}: must name one column of {title}, got {', '.join(given)}")
-    elongation, stress = (names[found[kind][0]] for kind in ("elongation", "stress"))
+    elongation, stress = (names[columns[kind][0]] for kind in ("elongation", "stress"))
     modes = {mode for word, mode in NAMES.items() if re.search(rf"\b{word}\b", f"{elongation} {stress}".lower())}
-    ways = [*found["test"], *modes, *([] if test is None else [test])]
+    ways = [*columns["test"], *modes, *([] if test is None else [test])]
     if len(ways) != 1:
-        rule = "must name the test once: by a column test, in a column's name, or by --test"
+        rule = f"must name the test once, {', '.join(MODES)}: by a column test, in a column's name, or by --test"
         raise Refused(f"{where}: {rule}, got {len(ways)} of these")
     return Header(
-        elongation=_column(where, elongation, found["elongation"][0], STRAIN_UNITS),
-        stress=_column(where, stress, found["stress"][0], STRESS_UNITS),
-        test=found["test"][0] if found["test"] else None,
+        elongation=_column(where, elongation, columns["elongation"][0], STRAIN_UNITS),
+        stress=_column(where, stress, columns["stress"][0], STRESS_UNITS),
+        test=columns["test"][0] if columns["test"] else None,
         mode=next(iter(modes), None) if test is None else _mode("test", test),
     )
 
@@ -137,10 +137,10 @@ def _column(where: str, name: str, index: int, units: Mapping[str, float]) -> Co
 
 def _mode(name: str, text: str) -> str:
     """The mode of a test's name."""
-    found = NAMES.get(" ".join(text.lower().replace("_", " ").replace("-", " ").split()))
-    if found is None:
+    mode = NAMES.get(" ".join(text.lower().replace("_", " ").replace("-", " ").split()))
+    if mode is None:
         raise Refused(f"{name} must be {', '.join(MODES)} or pure shear (planar), got {text.strip()!r}")
-    return found
+    return mode
 
 
 def _rows(table: CsvTable, header: Header) -> Iterator[Row]:

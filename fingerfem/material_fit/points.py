@@ -42,9 +42,11 @@ class Points:
 
     def by_mode(self, quantity: Callable[[str, np.ndarray], np.ndarray]) -> np.ndarray:
         """A function of mode and stretches, shape (points of the mode, ...), of all points, (points, ...)."""
-        found = {mode: quantity(mode, self.stretch[self.mode == mode]) for mode in dict.fromkeys(self.mode.tolist())}
-        result = np.empty((len(self.mode), *next(iter(found.values())).shape[1:]))
-        for mode, values in found.items():
+        values_by_mode = {
+            mode: quantity(mode, self.stretch[self.mode == mode]) for mode in dict.fromkeys(self.mode.tolist())
+        }
+        result = np.empty((len(self.mode), *next(iter(values_by_mode.values())).shape[1:]))
+        for mode, values in values_by_mode.items():
             result[self.mode == mode] = values
         return result
 
@@ -56,8 +58,8 @@ class Points:
     @property
     def principal(self) -> tuple[float, float]:
         """Lowest and highest principal stretch [-]."""
-        found = self.by_mode(principal_stretches)
-        return float(found.min()), float(found.max())
+        stretches = self.by_mode(principal_stretches)
+        return float(stretches.min()), float(stretches.max())
 
 
 def points_of(measurements: Sequence[Measurement]) -> Points:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fingerfem.material_fit.fit import WIDEST, Comparison, Errors, Fit
+from fingerfem.material_fit.fit import WIDEST, WORST, Comparison, Errors, Fit
 from fingerfem.material_fit.measurements import Measurement
 from fingerfem.scene.laws import Law
 from fingerfem.scene.toml_file import UNITS
@@ -15,13 +15,13 @@ from rom.console.table import Table, number, percent, shown
 
 def parts(comparison: Comparison, file: Path) -> list[Table | str]:
     """Tests, errors and constants of all laws, and lines that bound what they are good for."""
-    found: list[Table | str] = [f"{file}: {described(one)}" for one in comparison.measurements]
+    shown: list[Table | str] = [f"{file}: {described(one)}" for one in comparison.measurements]
     header = ["law", "mu [kPa]", "E [kPa]", "residual", "largest", "left out", "stable at stretches"]
     title = "Residual (root mean square), largest, and on points left out of the fit: of each test's peak stress"
     rows = [_row(one, one is comparison.chosen) for one in comparison.fits]
-    found.append(Table(title=title, header=header, rows=rows))
-    found += [f"{one.name}: {constants(one.law)}" for one in comparison.fits if one.law is not None]
-    return [*found, *lines(comparison)]
+    shown.append(Table(title=title, header=header, rows=rows))
+    shown += [f"{one.name}: {constants(one.law)}" for one in comparison.fits if one.law is not None]
+    return [*shown, *lines(comparison)]
 
 
 def described(measurement: Measurement) -> str:
@@ -56,7 +56,8 @@ def constants(law: Law) -> str:
             continue
         unit = UNITS.get(name, "")
         each = value if isinstance(value, list) else [value]
-        text = ", ".join(number(one, unit, 5) for one in each)
+        factor = shown(unit)[0]
+        text = ", ".join(f"{factor * one:.5g}" for one in each)
         words.append(f"{name} = {f'[{text}]' if isinstance(value, list) else text} {shown(unit)[1]}".rstrip())
     return "; ".join(words)
 
@@ -64,21 +65,24 @@ def constants(law: Law) -> str:
 def lines(comparison: Comparison) -> list[str]:
     """Lines with the limits of the fits."""
     low, high = comparison.stretches
-    found = [f"{one.name} is refused: {one.reason}" for one in comparison.fits if one.law is None]
-    found += [
+    limits = [f"{one.name} is refused: {one.reason}" for one in comparison.fits if one.law is None]
+    limits += [
         f"{one.name}: the best constants are not stable within the data; these are the best of the stable ones"
         for one in comparison.fits
         if one.is_constrained
     ]
-    found.append(f"no data are below a principal stretch of {low:.4g} or above {high:.4g}: a law is a guess there")
+    limits.append(f"no data are below a principal stretch of {low:.4g} or above {high:.4g}: a law is a guess there")
     modes = [one.mode for one in comparison.measurements]
     if len(modes) == 1:
-        found.append(f"all data are {modes[0]}: to other loads, such as shear, a law only extrapolates")
+        limits.append(f"all data are {modes[0]}: to other loads, such as shear, a law only extrapolates")
+    limits += comparison.doubts
     if comparison.chosen is not None and comparison.chosen.law is not None:
-        found.append(f"D1 follows from nu = {comparison.chosen.law.poisson:.6g}, which these tests do not measure")
+        limits.append(f"D1 follows from nu = {comparison.chosen.law.poisson:.6g}, which these tests do not measure")
     else:
-        found.append("no law is usable")
-    return found
+        left_out = [one.left_out.rms for one in comparison.fits if one.left_out is not None]
+        poor = f": all are off by more than {percent(WORST)} of the peak stress" if left_out else ""
+        limits.append(f"no law is usable{poor}")
+    return limits
 
 
 def as_json(comparison: Comparison, file: Path) -> dict[str, Any]:
@@ -99,6 +103,7 @@ def as_json(comparison: Comparison, file: Path) -> dict[str, Any]:
         "chosen": chosen.name if chosen else None,
         "material": chosen.law.model_dump(exclude_none=True) if chosen and chosen.law else None,
         "laws": [_law_as_json(one) for one in comparison.fits],
+        "doubts": list(comparison.doubts),
     }
 
 
@@ -139,6 +144,7 @@ def material_table(comparison: Comparison, file: Path) -> str:
     tests = [described(one) for one in comparison.measurements]
     residual = f"{percent(fit.errors.rms)} of the peak stress, {percent(fit.left_out.rms)} on points left out"
     head = [f"Fitted by python3 -m fingerfem fit-material to {name}:", *tests, f"residual (rms): {residual}"]
+    head += comparison.doubts
     rows = [
         f"{key} = {_value(value)}{_comment(key, fit.law)}"
         for key, value in fit.law.model_dump(exclude_none=True).items()

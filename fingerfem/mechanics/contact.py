@@ -15,9 +15,9 @@ moves along its normal, the integral of p.
 Plates are rigid: their stress says nothing about the pressure on them. The penalty holds them off in both methods.
 
 It is integrated by the Gauss-Lobatto rule whose points are the nodes, so that the first node to reach a plane is the
-first to feel it, edges and corners included. A round obstacle touches between nodes too: against it, a facet of rubber
-has a lattice of POINTS[0]^2 springs, which share its stiffness, and a facet of a plate springs where it is nearest
-(discretisation/closest_points.py), each as stiff as a facet on a plane.
+first to feel it, edges and corners included. A round obstacle, or a round finger of order 2, touches between nodes
+too: a facet of rubber then has a lattice of POINTS[0]^2 springs, which share its stiffness, and a facet of a plate
+springs where it is nearest (discretisation/closest_points.py), each as stiff as a facet on a plane.
 """
 
 import basix
@@ -26,7 +26,7 @@ import ufl
 
 from fingerfem.mechanics import kinematics, strain_energy
 
-POINTS = 10, 40  # possible contact points along an edge of facets of rubber and of plates, against a round obstacle
+POINTS = 10, 40  # possible contact points along an edge of facets of rubber and of plates, between nodes
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
 
 

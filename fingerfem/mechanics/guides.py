@@ -77,11 +77,11 @@ class GuideLaw:
         grows, drag = self.bounds(guide)
         slip = guide.slips - guide.before
         trial = guide.upstream - guide.tensions + slip / (SOFTER * yielding)
-        found = np.full(len(slip), STICKS)
-        found[(guide.tensions <= 0) & (slip > 0)] = SLACK
-        found[trial > guide.tensions * (grows - 1) + drag] = PULLED
-        found[trial < -guide.upstream * (grows - 1) - drag] = LET_OUT
-        return found
+        moves = np.full(len(slip), STICKS)
+        moves[(guide.tensions <= 0) & (slip > 0)] = SLACK
+        moves[trial > guide.tensions * (grows - 1) + drag] = PULLED
+        moves[trial < -guide.upstream * (grows - 1) - drag] = LET_OUT
+        return moves
 
     def equations(self, guide: Guide, moves: np.ndarray, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The equations of these moves, of which the turns are taken as they are.
@@ -110,10 +110,10 @@ class GuideLaw:
     def predicted(self, guide: Guide) -> np.ndarray:
         """Tensions moved just into the bounds that those before them set, from the motor on, shape (n,) [N]."""
         grows, drag = self.bounds(guide)
-        found, last = guide.tensions.copy(), guide.motor
-        for k in range(len(found)):
-            found[k] = last = np.clip(found[k], max((last - drag[k]) / grows[k], 0.0), last * grows[k] + drag[k])
-        return found
+        tensions, last = guide.tensions.copy(), guide.motor
+        for k in range(len(tensions)):
+            tensions[k] = last = np.clip(tensions[k], max((last - drag[k]) / grows[k], 0.0), last * grows[k] + drag[k])
+        return tensions
 
     def dissipated(self, guide: Guide, last: Guide) -> float:
         """Energy lost by friction in the increment from the last guide [J]; mean force as in rom's `rod/guides.c`."""

@@ -17,6 +17,7 @@ import ufl
 from scipy.spatial.transform import Rotation
 
 from fingerfem.scene.obstacle import Obstacle, Shape, unit
+from fingerfem.scene.scene import Scene
 
 Vector = tuple[float, ...]  # of three
 Coordinates = Any  # x, y, z: UFL scalars, or arrays of shape (n,) [m]
@@ -132,10 +133,10 @@ class Plane(Body):
 
     def distance_from_centre(self, x: Coordinates, maths: Maths) -> Any:
         """Distance along the normal, n . x."""
-        found: Any = 0
+        distance: Any = 0
         for factor, value in zip(self.normal, x, strict=True):
-            found = _plus(found, factor, value, maths)
-        return found
+            distance = _plus(distance, factor, value, maths)
+        return distance
 
     def normal_from_centre(self, arms: np.ndarray) -> np.ndarray:
         """The normal."""
@@ -236,10 +237,10 @@ class Box(Body):
         """Curvature as of a sphere, in the axes along which the point is beyond the unrounded box; inside none."""
         own, beyond = self._beyond(arms)
         outwards = np.maximum(beyond, 0.0) * np.sign(own)
-        found, axes = np.zeros((len(arms), 3, 3)), np.array(self.axes)
+        curvatures, axes = np.zeros((len(arms), 3, 3)), np.array(self.axes)
         out = outwards.any(axis=1)
-        found[out] = axes.T @ _round(outwards[out], np.eye(3) * (beyond[out] > 0)[:, None]) @ axes
-        return found
+        curvatures[out] = axes.T @ _round(outwards[out], np.eye(3) * (beyond[out] > 0)[:, None]) @ axes
+        return curvatures
 
     def _beyond(self, arms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points along the box's own axes, and how far beyond it without its rounding, shapes (n, 3) [m]."""
@@ -275,9 +276,14 @@ def bodies(obstacle: Obstacle | None, top: float) -> list[Body]:
     return [body(one, top) for one in (obstacle.bodies if obstacle else [Shape()])]
 
 
-def all_flat(bodies: list[Body]) -> bool:
-    """True if all are planes, which touch at nodes. If one is round, contact with every body is between nodes too."""
-    return all(one.is_flat for one in bodies)
+def touch_at_nodes(scene: Scene) -> bool:
+    """True if a scene's bodies touch the finger at nodes: planes, and a section whose cells have straight sides.
+
+    Otherwise contact with every body is between nodes, too. A circle rolls on a plane; its nodes alone are corners.
+    """
+    section = scene.geometry.shape
+    flat = all(one.is_flat for one in bodies(scene.obstacle, section.top))
+    return flat and not (section.is_round and scene.mesh.order > 1)
 
 
 @singledispatch

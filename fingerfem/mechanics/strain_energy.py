@@ -85,9 +85,9 @@ def elasticity(energy: Energy, C):
         return 4 * ufl.diff(ufl.diff(energy(ufl.sym(C)), C), C)
     (_, second, third), curvatures = _by_invariants(energy, C)
     first_order, I, I1 = _gradients(C), ufl.Identity(3), ufl.tr(C)  # noqa: E741
-    found: Any = 0
+    products: Any = 0
     for a, one in enumerate(first_order):
-        found = found + ufl.outer(one, sum(curvatures[a][b] * other for b, other in enumerate(first_order)))
+        products = products + ufl.outer(one, sum(curvatures[a][b] * other for b, other in enumerate(first_order)))
     i, j, k, m = ufl.indices(4)
 
     def symmetric(A: Any, B: Any) -> Any:
@@ -96,9 +96,9 @@ def elasticity(energy: Energy, C):
         return ufl.as_tensor(terms / 4, (i, j, k, m))
 
     unit, of_C = symmetric(I, I), symmetric(C, I)
-    found = found + second * (ufl.outer(I, I) - unit)
+    products = products + second * (ufl.outer(I, I) - unit)
     of_third = 2 * of_C - ufl.outer(C, I) - ufl.outer(I, C) - I1 * unit + I1 * ufl.outer(I, I)
-    return 4 * (found + third * of_third)
+    return 4 * (products + third * of_third)
 
 
 def _gradients(C: Any) -> tuple[Any, Any, Any]:

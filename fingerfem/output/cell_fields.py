@@ -24,13 +24,13 @@ def cell_fields(model: FingerModel) -> dict[str, np.ndarray]:
     tendons' own tension; J is the volume ratio [-]. In rubber with a pressure of its own, pressure and J are means over
     the points of that pressure: elsewhere the bulk modulus times J - 1 is none.
     """
-    found: dict[str, np.ndarray] = {}
+    fields: dict[str, np.ndarray] = {}
     for k, law in enumerate(model.scene.laws):
         tags = model.problem.mesh.cells
         cells = np.sort(np.concatenate([tags.find(region) for region in regions.of_material(k)]))
         for name, values in _fields_of_material(model, law, cells).items():
-            found.setdefault(name, np.full(len(tags.indices), np.nan))[cells] = values
-    return found
+            fields.setdefault(name, np.full(len(tags.indices), np.nan))[cells] = values
+    return fields
 
 
 def _fields_of_material(model: FingerModel, law: Law, cells: np.ndarray) -> dict[str, np.ndarray]:
@@ -48,13 +48,13 @@ def _fields_of_material(model: FingerModel, law: Law, cells: np.ndarray) -> dict
 
     middle = np.array([[0.5, 0.5, 0.5]])
     sought = {"S11": S[0, 0], "von_mises": ufl.sqrt(1.5 * ufl.inner(deviator, deviator)), "J": J}
-    found = {name: mean(value, middle) for name, value in sought.items()}
+    means = {name: mean(value, middle) for name, value in sought.items()}
     if volumetric is not None:
         points, _ = gauss(forms.quadrature_degree(model.scene.mesh.order) - 1)
         pressure, _ = slopes(volumetric, J)
-        found["S11"] += mean(pressure, points) * mean(J * ufl.inv(C)[0, 0], middle)
-        found["J"] = mean(J, points)
-    return found
+        means["S11"] += mean(pressure, points) * mean(J * ufl.inv(C)[0, 0], middle)
+        means["J"] = mean(J, points)
+    return means
 
 
 def contact_pressure(model: FingerModel) -> np.ndarray:

@@ -166,17 +166,17 @@ def _overlay(axes: Axes, panel: Deformed, tendons: Sequence[np.ndarray]) -> None
 def _legend(panels: Sequence[Deformed]) -> list[Any]:
     """Entries of the legend, for the panels' own contents."""
     pulls = [bool(line.tension) for panel in panels for line in panel.tendons]
-    found: list[Any] = []
+    entries: list[Any] = []
     for is_pulled, name, colour, dashes in (
         (True, "tendon, pulled", PULLED, "-"),
         (False, "tendon, slack", SLACK, (0, (3, 1.5))),
     ):
         if is_pulled in pulls:
-            found.append(Line2D([], [], color=colour, ls=dashes, lw=1.6, path_effects=OUTLINE, label=name))
-    found.append(Patch(fc=PLATES, label="plate"))
+            entries.append(Line2D([], [], color=colour, ls=dashes, lw=1.6, path_effects=OUTLINE, label=name))
+    entries.append(Patch(fc=PLATES, label="plate"))
     if any(panel.obstacle is not None for panel in panels):
-        found.append(Patch(fc=OBSTACLE, label="rigid obstacle"))
-    return found
+        entries.append(Patch(fc=OBSTACLE, label="rigid obstacle"))
+    return entries
 
 
 def _finger(panel: Deformed, scale: float) -> Any:
@@ -191,11 +191,11 @@ def tendon_paths(panel: Deformed) -> list[np.ndarray]:
     grid = pyvista.UnstructuredGrid(panel.cells, panel.kinds, panel.points)
     grid.point_data["displacement"] = panel.displacement
     inward = 1e-6 * np.ptp(panel.points[:, 0]) * np.array([1.0, 0.0, 1.0])  # the mesh's own faces count as within
-    found = []
+    paths = []
     for line in panel.tendons:
         probed = pyvista.PolyData(line.points + inward).sample(grid)
-        found.append(line.points + np.asarray(probed["displacement"]))
-    return found
+        paths.append(line.points + np.asarray(probed["displacement"]))
+    return paths
 
 
 def _obstacle(panel: Deformed) -> Any:

@@ -7,6 +7,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any, NoReturn
 
 from rom.console.table import Table, print_tables
@@ -53,3 +54,9 @@ def _row(name: str, value: str) -> str:
         return name + value
     width = shutil.get_terminal_size().columns
     return textwrap.fill(value, max(width, 2 * NAME), initial_indent=name, subsequent_indent=" " * len(name)) or name
+
+
+def check_ending(name: str, file: Path | None, ending: str) -> None:
+    """Refuse the file of an option that cannot be of another format."""
+    if file is not None and file.suffix.lower() != ending:
+        raise ValueError(f"{name} must end in {ending}, got {file}")

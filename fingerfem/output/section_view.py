@@ -20,7 +20,7 @@ def draw_section(axes: Axes, scene: Scene, colours: Iterable[tuple[Tendon, str]]
 
     A material that has the whole section is not drawn here.
     """
-    mesh, shape = section_mesh(scene.outline, scene.mesh.cells[1]), scene.geometry.shape
+    mesh, shape = section_mesh(scene.outline, scene.mesh.cells[1], order=scene.mesh.order), scene.geometry.shape
     half, width = MM * float(np.abs(mesh.points).max()), MM * scene.geometry.channel_width
     _fill(axes, mesh, RUBBER, "0.4", 1.0)
     for inlay in scene.outline.inlays:

@@ -14,10 +14,10 @@ def seconds(name: str, text: Any) -> float:
     Raises:
         ValueError: it is none; the line begins with `name`.
     """
-    found = re.fullmatch(r"([0-9]*\.?[0-9]+)\s*(s|min|h)", text) if isinstance(text, str) else None
-    if found is None or float(found[1]) == 0:
+    match = re.fullmatch(r"([0-9]*\.?[0-9]+)\s*(s|min|h)", text) if isinstance(text, str) else None
+    if match is None or float(match[1]) == 0:
         raise ValueError(f"{name} must be a time such as 90s, 30min or 2h, got {text!r}")
-    return float(found[1]) * UNITS[found[2]]
+    return float(match[1]) * UNITS[match[2]]
 
 
 def percentage(name: str, text: Any) -> float:

@@ -70,11 +70,11 @@ def materials_of_cells(outline: GridOutline, section: PlaneMesh, lines: np.ndarr
     0 is the rubber, k the k-th of the other materials. Plates and chambers have numbers too, without a meaning.
     """
     middles = (lines[1:] + lines[:-1]) / 2
-    found = np.zeros((len(section.quads), len(middles)), int)
+    numbers = np.zeros((len(section.quads), len(middles)), int)
     for k, (one, inlay) in enumerate(zip(outline.materials, outline.inlays, strict=True)):
         begin, end = (0.0, np.inf) if one.x is None else one.x
-        found[np.ix_(material_of(section, inlay), (middles > begin) & (middles < end))] = k + 1
-    return found
+        numbers[np.ix_(material_of(section, inlay), (middles > begin) & (middles < end))] = k + 1
+    return numbers
 
 
 def _with_cells(segments: list[list[float]], along: int) -> list[tuple[list[float], int]]:
@@ -92,9 +92,9 @@ def _graded(geometry: Geometry, breakpoints: list[float], cells: int) -> np.ndar
     sides = np.append(0.0, np.cumsum(np.diff(x) / geometry.size_at((x[1:] + x[:-1]) / 2)))
     fixed = np.interp(breakpoints, x, sides)
     lines = subdivide(fixed, cells)
-    found = np.interp(lines, sides, x)
-    found[np.searchsorted(lines, fixed)] = breakpoints
-    return found
+    positions = np.interp(lines, sides, x)
+    positions[np.searchsorted(lines, fixed)] = breakpoints
+    return positions
 
 
 def fitting(outline: GridOutline, across: int) -> int:

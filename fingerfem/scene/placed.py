@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fingerfem.scene.laws import NamedLaw
-from fingerfem.scene.tables import Placed, Position
+from fingerfem.scene.tables import Placed, Position, RubberDensity
 
 Pressure = Annotated[float, Field(ge=0, le=1e8)]  # above that around the finger [Pa]
 
@@ -34,5 +34,5 @@ class Material(Placed):
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
     region: Literal["section", "rectangle", "group"]
     x: Annotated[list[Position], Field(min_length=2, max_length=2)] | None = None  # from, to at rest [m]; None: all
-    density: Annotated[float, Field(gt=0, le=3e4)] | None = None  # [kg/m^3]; the rubber's if absent
+    density: RubberDensity | None = None  # [kg/m^3]; the rubber's if absent
     material: NamedLaw

@@ -83,11 +83,11 @@ def chosen(table: dict[str, Any], fitting: Callable[[int], int]) -> dict[str, An
     one = _choice(asked[0], table[asked[0]], choices)
     if unmeasured:
         one["expected"]["error"] = None
-    found = table | {"mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH}}
+    scene = table | {"mesh": table.get("mesh", {}) | {key: one[key] for key in OF_MESH}}
     if not pressed:
-        return found | {"expected": {key: one["expected"][key] for key in ("quantity", "error")}}
+        return scene | {"expected": {key: one["expected"][key] for key in ("quantity", "error")}}
     return (
-        found
+        scene
         | {"sampling": table.get("sampling", {}) | {"lines": one["lines"]}, "expected": one["expected"]}
         | ({"coarse": one["coarse"]} if one["coarse"] else {})
     )
@@ -158,12 +158,12 @@ def _choice(key: str, value: Any, choices: list[dict[str, Any]]) -> dict[str, An
     errors, costs = ([one["expected"][what] for one in choices] for what in ("error", "core_seconds"))
     if key == "accuracy":
         wanted = percentage("accuracy", value)
-        found = [one for one, error in zip(choices, errors, strict=True) if error <= wanted]
-        if not found:
+        fitting = [one for one, error in zip(choices, errors, strict=True) if error <= wanted]
+        if not fitting:
             raise ValueError(f'accuracy must be at least "{100 * min(errors):.2g} %", the best measured, got "{value}"')
-        return min(found, key=lambda one: one["expected"]["core_seconds"])
+        return min(fitting, key=lambda one: one["expected"]["core_seconds"])
     budget = seconds("budget", value)
-    found = [one for one, cost in zip(choices, costs, strict=True) if cost <= budget]
-    if not found:
+    fitting = [one for one, cost in zip(choices, costs, strict=True) if cost <= budget]
+    if not fitting:
         raise ValueError(f'budget must be at least "{min(costs):.0f}s" of core time for this finger, got "{value}"')
-    return min(found, key=lambda one: one["expected"]["error"])
+    return min(fitting, key=lambda one: one["expected"]["error"])

@@ -278,7 +278,7 @@ class Scene(SceneTable):
             SceneError: it has none.
         """
         if self.coarse is None:
-            raise SceneError("coarse must name a mesh (cells, order, lines) for states on it, got a scene without")
+            raise SceneError("coarse must be a table of the scene with the cells of a coarse mesh, got none")
         table = self.model_dump(mode="json", exclude_unset=True, exclude={"coarse", "expected", *KEYS})
         lines = {} if self.coarse.lines is None else {"lines": self.coarse.lines}
         table["sampling"] = table.get("sampling", {}) | lines

@@ -49,8 +49,8 @@ def subdivide(breakpoints: ArrayLike, cells: int, symmetric: bool = False) -> np
 
 def merged(fixed: list[float], others: Iterable[float], equal: float) -> list[float]:
     """Ascending positions [m]: those that are fixed, and of the others what is farther than `equal` from these."""
-    found = list(fixed)
+    positions = list(fixed)
     for other in others:
-        if min(abs(other - one) for one in found) > equal:
-            found.append(other)
-    return sorted(found)
+        if min(abs(other - one) for one in positions) > equal:
+            positions.append(other)
+    return sorted(positions)

@@ -54,6 +54,11 @@ class Geometry(SceneTable):
         return float(self.sizes.min(initial=1.0))
 
     @property
+    def thinnest_area(self) -> float:
+        """Least area of a section [m^2]."""
+        return self.shape.area * self.thinnest**2
+
+    @property
     def is_tapered(self) -> bool:
         """True if sections differ in size."""
         return bool((self.sizes != 1).any())
@@ -161,7 +166,7 @@ class Pad(SceneTable):
     width: Length | None = None
 
 
-RubberDensity = Annotated[float, Field(gt=0, le=3e4)]  # [kg/m^3]
+RubberDensity = Annotated[float, Field(ge=10, le=3e4)]  # [kg/m^3]; below, it is meant in g/cm^3
 PlateDensity = Annotated[float, Field(ge=0, le=3e4)]  # [kg/m^3]
 STEEL_DENSITY = 7850.0  # [kg/m^3]
 

@@ -182,10 +182,10 @@ def _exclusive(byte: int) -> bytes:
 
 def _mount(folder: Path) -> tuple[str, list[str]]:
     """Kind and options of the file system that holds a folder (Linux: proc(5), mountinfo)."""
-    place, found = folder.resolve(), ("unknown", [""])
+    place, mount = folder.resolve(), ("unknown", [""])
     for line in Path("/proc/self/mountinfo").read_text().splitlines():
         before, _, after = line.partition(" - ")
         point, (kind, _, options) = Path(before.split()[4].replace("\\040", " ")), after.split(" ", 2)
         if place.is_relative_to(point):  # later lines cover earlier ones
-            found = kind, [*before.split()[5].split(","), *options.split(",")]
-    return found
+            mount = kind, [*before.split()[5].split(","), *options.split(",")]
+    return mount

@@ -18,6 +18,7 @@ from rom.dataset.sections.cross_sections import CrossSections, positions_of
 from rom.dataset.sections.plane_nodes import plane_nodes
 from rom.dataset.sections.section import outline
 from rom.dataset.snapshot_set import Description
+from rom.dataset.trainable import check_lines, check_trainable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,9 +83,12 @@ def describe(
     Raises:
         SceneError: a chamber no rectangle of a square, no actuator bends the finger towards its plane, the obstacle is
             not the plane y = side/2 + d, or lines are asked for without a load.
+        SnapshotError: elements cannot be trained with such a finger, or with so few lines.
     """
     _check_kind(scene)
     sampling, lead = scene.sampling, _lead(scene)
+    if scene.load is not None and held_out is None:  # a refusal after hours of solving would be too late
+        check_trainable(scene.model_dump(mode="json"))
     if scene.load is None and held_out is None and sampling.lines is not None:
         raise SceneError(
             "lines must be left out where a scene has no load: its training states are a grid of tension_nodes and "
@@ -97,8 +101,9 @@ def describe(
     scattered: list[list[float]] = []
     if scene.load is not None and held_out is None:
         along_tension, along_contact = NO_GRID
-        lines = sampling.lines or LINES * len(tensions)
-        scattered = _scattered(tensions, MOST_LINES if grows else lines)
+        lines = MOST_LINES if grows else sampling.lines or LINES * len(tensions)
+        check_lines(lines)
+        scattered = _scattered(tensions, lines)
     return Description(
         scene=scene.model_dump(mode="json"),
         fingerprint=scene.fingerprint(),
@@ -126,7 +131,7 @@ def _check_kind(scene: Scene) -> None:
         got = f"another {bodies[0].shape}" if len(bodies) == 1 else f"{len(bodies)} bodies"
         raise SceneError(f"obstacle must be the plane y = side/2 + d to train on it, got {got}")
     if scene.load is not None and not scene.chambers:
-        centre = section_mesh(scene.outline, scene.mesh.cells[1]).centroid
+        centre = section_mesh(scene.outline, scene.mesh.cells[1], order=scene.mesh.order).centroid
         most = OFF_AXIS * scene.geometry.side
         if np.abs(centre).max() > most:
             raise SceneError(

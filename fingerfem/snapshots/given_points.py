@@ -35,16 +35,17 @@ class GivenPoints:
         if not rows or sorted(word.strip() for word in rows[0]) != sorted(names):
             raise ValueError(f"{self.file}: columns must be {','.join(names)}, got {','.join(rows[0]) if rows else ''}")
         order = [[word.strip() for word in rows[0]].index(name) for name in names]
-        found = [self._point(row, order) for row in rows[1:]]
-        if not found:
+        points = [self._point(row, order) for row in rows[1:]]
+        if not points:
             raise ValueError(f"{self.file}: must have a line for each point, got none")
-        for number, point in enumerate(found):
-            for name, value, (lower, upper) in zip(names, point, box, strict=True):
+        for number, point in enumerate(points):
+            for one, value, (lower, upper) in zip(scene.parameters, point, box, strict=True):
                 if not lower <= value <= upper:
+                    allowed = f"[{lower:g}, {upper:g}] {one['unit']}"
                     raise ValueError(
-                        f"{self.file}: {name} must lie in [{lower:g}, {upper:g}], got {value:g} in point {number + 1}"
+                        f"{self.file}: {one['name']} must lie in {allowed}, got {value:g} in point {number + 1}"
                     )
-        return found
+        return points
 
     def _point(self, words: list[str], order: list[int]) -> list[float]:
         try:

@@ -54,7 +54,7 @@ class Request:
 
     def __post_init__(self) -> None:
         if self.until is not None and not 0 < self.until < 1:
-            raise ValueError(f"until must lie in (0, 1), got {self.until}")
+            raise ValueError(f'until must be a share such as "1 %", above 0 and below 100 %, got {self.until:g}')
         if self.held_out is not None and (self.grows or self.reuse is not None):
             raise ValueError("random or points must not be given with until, budget or reuse, got both")
         if self.grows and self.scene.load is None:
@@ -63,7 +63,8 @@ class Request:
         if self.scene.load is not None and self.reuse is not None:
             raise ValueError(f"reuse must be left out for a scene with a load, got {self.reuse}")
         if self.near is not None and self.held_out is None and self.scene.load is None:
-            raise ValueError(f"near must be given with random or points, or for a scene with a load, got {self.near}")
+            rule = "near must be left out for training states of a scene without a load"
+            raise ValueError(f"{rule}, got {self.near}; add random or points")
 
     @property
     def grows(self) -> bool:
@@ -123,13 +124,13 @@ class Job:
         if not self.is_first:
             return {}
         self.ledger.refresh()
-        found = self.ledger.summary() | {
+        summary = self.ledger.summary() | {
             "this_rank": asdict(work),
             "seconds": time.perf_counter() - begun,
             "ranks": self.world.size,
         }
-        self._report(work, found)
-        return found
+        self._report(work, summary)
+        return summary
 
     @property
     def is_unusable(self) -> bool:

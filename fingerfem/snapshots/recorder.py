@@ -88,14 +88,14 @@ class Recorder:
             self.broken(failure)
             self._note_failure(parameters, failure.reason, self._last_good)
             return
-        found = _sensitivities(model.continuation, must_be_stable=wrenches is None)
-        if found is None:
+        sensitivities = _sensitivities(model.continuation, must_be_stable=wrenches is None)
+        if sensitivities is None:
             self._note_failure(parameters, "the equilibrium is not stable")
         elif model.passes_through_itself():
             self._note_failure(parameters, "the finger passes through itself")
         else:
             self.displacements.append(model.problem.displacement.copy())
-            solved = self._solved(found)
+            solved = self._solved(sensitivities)
             if stretches(model.problem).get("beyond_data"):
                 logger.warning("the state at %s is beyond the data of its law: material.stretches", parameters.tolist())
             self._rows.append(
@@ -224,8 +224,8 @@ def _sensitivities(continuation: Continuation, *, must_be_stable: bool) -> Sensi
         linearisation = continuation.linearise()
     except NotConverged:
         return None
-    found = differentiate(continuation.problem, linearisation)
-    return found if linearisation.stable or not must_be_stable else None
+    sensitivities = differentiate(continuation.problem, linearisation)
+    return sensitivities if linearisation.stable or not must_be_stable else None
 
 
 def _plate_poses(poses: list[Pose], motion: np.ndarray) -> dict[str, np.ndarray]:

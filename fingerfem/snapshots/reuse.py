@@ -47,7 +47,7 @@ class Donor:
             lead = own.tension_nodes[own.lead], taker.tension_nodes[taker.lead][line.index[1]]
             index = j, _place(*lead)
             ours, theirs = taker.contact_nodes, own.contact_nodes
-        found = {}
+        states = {}
         for task in self._tasks.get((line.kind, *index), []):
             stored = read_task(self._path, task)
             for k in np.flatnonzero(stored["converged"]):
@@ -55,13 +55,13 @@ class Donor:
                 node = _place(ours, theirs[at])
                 if node is not None:
                     row = {name: values[k] for name, values in stored.items() if name not in NOT_OF_A_STATE}
-                    found[node] = row | {"iterations": 0}
-        return found
+                    states[node] = row | {"iterations": 0}
+        return states
 
 
 def _place(nodes: list, value: Any) -> int | None:
     """Index of a value, or a tuple of values, among nodes; None if it is not there."""
     table = np.array(nodes, float).reshape(len(nodes), -1)
     same = np.isclose(table, np.reshape(value, -1), rtol=1e-12, atol=1e-12 * max(np.abs(table).max(initial=0), 1e-300))
-    found = np.flatnonzero(same.all(axis=1))
-    return int(found[0]) if found.size else None
+    indices = np.flatnonzero(same.all(axis=1))
+    return int(indices[0]) if indices.size else None

@@ -33,16 +33,16 @@ class Strokes:
             changes: of the displacement by p parameters, this rank's owned values, shape (p, owned values) [m].
             sections: what the cross-sections report of the state; none but on the model's first rank.
         """
-        found = self._model.channel_lengths.quantities(changes)
+        quantities = self._model.channel_lengths.quantities(changes)
         if not self._model.scene.chambers:
-            return found
+            return quantities
         walls = self._model.section_volumes
         integrals = walls.integrals(changes)
         if not sections:
-            return found
+            return quantities
         volumes, by = integrals.volumes(sections["section_place"], sections["section_place_jacobian"])
         grown = volumes - walls.at_rest.volumes(*self._rest)[0]
         return {
-            "section_shortening": np.concatenate([found["section_shortening"], grown], axis=1),
-            "section_shortening_jacobian": np.concatenate([found["section_shortening_jacobian"], by], axis=1),
+            "section_shortening": np.concatenate([quantities["section_shortening"], grown], axis=1),
+            "section_shortening_jacobian": np.concatenate([quantities["section_shortening_jacobian"], by], axis=1),
         }

@@ -55,9 +55,9 @@ def explained(error: ImportError) -> str | None:
 
 def _importing(trace: TracebackType | None) -> str:
     """The package of the table in which an exception was raised; empty if it was raised in none."""
-    found = ""
+    importing = ""
     while trace is not None:
         package = str(trace.tb_frame.f_globals.get("__name__", "")).partition(".")[0]
-        found = package if package in REMEDIES or package in REQUIRED else found
+        importing = package if package in REMEDIES or package in REQUIRED else importing
         trace = trace.tb_next
-    return found
+    return importing

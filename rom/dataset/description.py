@@ -139,11 +139,11 @@ class Description:
         if self.wrenches:
             return {f"pressed-{k}": self.pressed_line(k) for k in range(self.begins_with or len(self.wrenches))}
         others, contact = range(len(self.others)), tuple(range(len(self.contact_nodes)))
-        found = {f"free-{j}": Line("free", (j,), tuple(range(len(self.tension_nodes[self.lead])))) for j in others}
+        lines = {f"free-{j}": Line("free", (j,), tuple(range(len(self.tension_nodes[self.lead])))) for j in others}
         if self.has_obstacle:
             for j, i in product(others, range(len(self.tension_nodes[self.lead]))):
-                found[f"contact-{j}-{i}"] = Line("contact", (j, i), contact)
-        return found
+                lines[f"contact-{j}-{i}"] = Line("contact", (j, i), contact)
+        return lines
 
     def _held_out_lines(self) -> list[tuple[int, ...]]:
         """Positions of the held-out points that follow each other at the same tensions."""

@@ -75,9 +75,9 @@ def _on_triangles(nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np
     corners = nodes[mesh.simplices]
     areas = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1]))
     whole = np.flatnonzero(areas > FLAT * areas.max())  # nodes in line by rounding have flat triangles between them
-    found = mesh.find_simplex(points)
-    other = ~np.isin(found, whole)  # or none at all
-    found[other] = whole[cKDTree(corners[whole].mean(axis=1)).query(points[other])[1]]
-    to_weights, origin = mesh.transform[found, :2], mesh.transform[found, 2]
+    holding = mesh.find_simplex(points)
+    other = ~np.isin(holding, whole)  # or none at all
+    holding[other] = whole[cKDTree(corners[whole].mean(axis=1)).query(points[other])[1]]
+    to_weights, origin = mesh.transform[holding, :2], mesh.transform[holding, 2]
     two = np.einsum("nij,nj->ni", to_weights, points - origin)
-    return mesh.simplices[found], np.column_stack([two, 1 - two.sum(axis=1)])
+    return mesh.simplices[holding], np.column_stack([two, 1 - two.sum(axis=1)])

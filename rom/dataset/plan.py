@@ -70,11 +70,11 @@ class Plan:
     def refresh(self) -> None:
         """Read the rounds that are new."""
         while (file := round_file(self._path, len(self.rounds))).exists():
-            found = read_round(file)
-            if not all(self._description.has(line) for line in found.lines.values()):
+            new = read_round(file)
+            if not all(self._description.has(line) for line in new.lines.values()):
                 raise PlanError(f"{file}: must hold lines of its set; run snapshots again, which plans it again")
-            self.rounds.append(found)
-            self.lines |= found.lines
+            self.rounds.append(new)
+            self.lines |= new.lines
 
     def add(self, found: Round) -> None:
         """Write the next round; of several who do, one has written it."""

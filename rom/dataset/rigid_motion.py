@@ -64,8 +64,8 @@ def turns(rotations: np.ndarray, stretches: np.ndarray, changes: np.ndarray) -> 
 
 def quaternions(rotations: np.ndarray) -> np.ndarray:
     """Unit quaternions of rotations, scalar part first and not negative, shapes (..., 3, 3) and (..., 4) [-]."""
-    found = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_quat(canonical=True, scalar_first=True)
-    return np.asarray(found).reshape(*rotations.shape[:-2], 4)
+    units = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_quat(canonical=True, scalar_first=True)
+    return np.asarray(units).reshape(*rotations.shape[:-2], 4)
 
 
 def quaternion_changes(quaternions: np.ndarray, turns: np.ndarray) -> np.ndarray:

@@ -123,17 +123,17 @@ def sizes(*, segments: int, sections: int, tendons: int, actuators: int, nodes: 
 
 def blanks(scopes: Collection[str], sizes: Mapping[str, int], parameters: int) -> dict[str, Any]:
     """Arrays of nan, by name, for a state without an answer: quantities in scope and derivatives by all parameters."""
-    found = {}
+    arrays = {}
     for quantity in QUANTITIES:
         if quantity.scope not in scopes:
             continue
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in quantity.shape)
-        found[quantity.name] = np.full(shape, np.nan)
+        arrays[quantity.name] = np.full(shape, np.nan)
         if quantity.jacobian == "last":
-            found[f"{quantity.name}_jacobian"] = np.full((*shape, parameters), np.nan)
+            arrays[f"{quantity.name}_jacobian"] = np.full((*shape, parameters), np.nan)
         else:
-            found[f"{quantity.name}_jacobian"] = np.full((parameters, *shape), np.nan, np.float32)
-    return found
+            arrays[f"{quantity.name}_jacobian"] = np.full((parameters, *shape), np.nan, np.float32)
+    return arrays
 
 
 def not_finite(arrays: Mapping[str, np.ndarray], converged: np.ndarray) -> str:

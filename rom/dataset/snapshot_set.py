@@ -192,9 +192,9 @@ class SnapshotSet:
                 answered = self._tasks[task]["converged"]
                 places.append(self._on_grid(line)[: len(answered)][answered])
                 values.append(self._values(task, name)[answered])
-        found = np.concatenate(values)
-        grid = np.full((*shape, *found.shape[1:]), np.nan if found.dtype.kind == "f" else 0, found.dtype)
-        grid[tuple(np.concatenate(places).T)] = found
+        solved = np.concatenate(values)
+        grid = np.full((*shape, *solved.shape[1:]), np.nan if solved.dtype.kind == "f" else 0, solved.dtype)
+        grid[tuple(np.concatenate(places).T)] = solved
         return grid
 
     def random(self, name: str) -> np.ndarray:

@@ -66,8 +66,8 @@ class Elements:
         laws = {kind: law.scaled(size, modulus) for kind, law in self.laws.items()}
         outlines = {kind: law.scaled(size, modulus) for kind, law in self.outlines.items()}
         force, section = self.force * modulus * size**2, self.section.scaled(size)
-        found = replace(self, laws=laws, outlines=outlines, section=section, force=force)
-        return replace(found, size=self.size * size, modulus=self.modulus * modulus)
+        elements = replace(self, laws=laws, outlines=outlines, section=section, force=force)
+        return replace(elements, size=self.size * size, modulus=self.modulus * modulus)
 
     def write(self, file: h5py.Group) -> None:
         """Write them into an open file."""

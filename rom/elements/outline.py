@@ -118,13 +118,13 @@ def outline_samples(states: SectionStates, section: int, distal: int) -> Samples
 
 def _images(states: SectionStates, tension_map: TensionMap) -> list[Mirror]:
     """The mirrors of a finger, which exchange the corners of its cross-sections."""
-    found, t = [], states.tensions
+    images, t = [], states.tensions
     for mirror in states.mirrors:
         exchange = ((CORNERS @ mirror.section.T)[:, None] == CORNERS[None]).all(axis=2)  # the image of each corner
         polar = mirror.inputs[t : t + 3, t : t + 3]
         values = np.kron(exchange.T.astype(float), polar)
-        found.append(replace(mirror.combined(tension_map).with_length(), values=values))
-    return found
+        images.append(replace(mirror.combined(tension_map).with_length(), values=values))
+    return images
 
 
 def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple[int, int]]) -> OutlineLaw:

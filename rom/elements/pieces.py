@@ -114,16 +114,16 @@ def stops_of(ends: tuple[float, float], cuts: Sequence[float], slack: float) -> 
 
 def cut(own: list[Piece], parts: int) -> list[Piece]:
     """The same elements with every interior one in equal parts; sections between them have the sizes on the way."""
-    found = []
+    parts_of_all = []
     for piece in own:
         count = parts if piece.kind == INTERIOR else 1
         sizes = np.linspace(*piece.ends, count + 1).tolist()
         part, (distal, proximal) = piece._replace(length=piece.length / count), piece.hindered
-        found += [
+        parts_of_all += [
             part._replace(
                 ends=(sizes[k], sizes[k + 1]),
                 hindered=(distal if k == 0 else 0.0, proximal if k == count - 1 else 0.0),
             )
             for k in range(count)
         ]
-    return found
+    return parts_of_all

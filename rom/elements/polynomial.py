@@ -79,9 +79,9 @@ class Polynomial:
     def _by(self, powers: np.ndarray) -> np.ndarray:
         """Coefficients by powers that include the polynomial's own."""
         places = {tuple(row): k for k, row in enumerate(powers.tolist())}
-        found = np.zeros((len(powers), self.coefficients.shape[1]))
-        found[[places[tuple(row)] for row in self.powers.tolist()]] = self.coefficients
-        return found
+        coefficients = np.zeros((len(powers), self.coefficients.shape[1]))
+        coefficients[[places[tuple(row)] for row in self.powers.tolist()]] = self.coefficients
+        return coefficients
 
     def _scaled(self, points: np.ndarray) -> np.ndarray:
         return 2 * (points - self.lower) / (self.upper - self.lower) - 1
@@ -90,13 +90,13 @@ class Polynomial:
 def products(scaled: np.ndarray, powers: np.ndarray, by: int | None = None) -> np.ndarray:
     """Products at points, shape (n, k); their derivatives by the scaled variable `by`, if one is named."""
     degree = int(powers.max(initial=0))
-    found = np.ones((len(scaled), len(powers)))
+    values = np.ones((len(scaled), len(powers)))
     for a in range(scaled.shape[1]):
         table = chebyshev.chebvander(scaled[:, a], degree)
         if a == by:
             table = table @ _derivative(degree)
-        found *= table[:, powers[:, a]]
-    return found
+        values *= table[:, powers[:, a]]
+    return values
 
 
 def _substituted(degree: int, ratio: float, shift: float) -> np.ndarray:
@@ -109,7 +109,7 @@ def _substituted(degree: int, ratio: float, shift: float) -> np.ndarray:
 @lru_cache
 def _derivative(degree: int) -> np.ndarray:
     """Chebyshev coefficients of the derivatives of T_0 ... T_degree, as columns."""
-    found = np.zeros((degree + 1, degree + 1))
+    columns = np.zeros((degree + 1, degree + 1))
     for k in range(1, degree + 1):
-        found[:degree, k] = chebyshev.chebder(np.eye(degree + 1)[k])
-    return found
+        columns[:degree, k] = chebyshev.chebder(np.eye(degree + 1)[k])
+    return columns

@@ -132,21 +132,21 @@ def tapered(element: ElementMap, piece: Piece, shear: np.ndarray, guided: np.nda
     """
     law, length = element.polynomial, piece.length
     ratio = float(np.log(piece.ends[0] / piece.ends[1]))  # p l
-    found, wrench = law.coefficients.copy(), law.powers[:, -6:]
+    coefficients, wrench = law.coefficients.copy(), law.powers[:, -6:]
     linear = [(wrench == one).all(axis=1) for one in np.eye(6)]  # terms that a component of the wrench is linear in
     for (k, turn, sign), own in zip(PLANES, shear, strict=True):
         turns, moment, force = 2 * law.coefficients[:, turn], linear[turn], linear[k]  # the law has half turns
         nearer = np.full(len(turns), ratio / length * (length**2 / 4 - own * piece.size**2))
         nearer[moment], nearer[force] = ratio * length / 3, 0.0
-        found[:, k] += sign * nearer * turns
-        found[force, turn] *= 1 + ratio * 2 / 3
+        coefficients[:, k] += sign * nearer * turns
+        coefficients[force, turn] *= 1 + ratio * 2 / 3
     for turn in range(3, 6):
-        found[linear[turn], turn] *= 1 + ratio**2 / 6
+        coefficients[linear[turn], turn] *= 1 + ratio**2 / 6
     # the axial force f_x - sum F, by the polynomial's inputs
     axial = np.concatenate([-element.tension_map @ guided, np.eye(6)[0]])
     rest, slopes = np.zeros((1, len(guided) + 6)), np.zeros((law.coefficients.shape[1], len(axial)))
     at_rest = element.value_and_gradient(rest)[1][0][:, -6]
     for (k, turn, sign), own in zip(PLANES, shear, strict=True):
         slopes[k] = sign * ratio / length * own * piece.size**2 * 2 * at_rest[turn] * axial
-    corrected = replace(law, coefficients=found).plus(Polynomial.linear(law.lower, law.upper, slopes))
+    corrected = replace(law, coefficients=coefficients).plus(Polynomial.linear(law.lower, law.upper, slopes))
     return replace(element, polynomial=corrected)

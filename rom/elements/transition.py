@@ -61,9 +61,9 @@ def with_transitions(element: ElementMap, piece: Piece, laws: Mapping[str, Eleme
         # the law has half turns
         turned[:, across] = sign * -2 * piece.length * turned[:, turn] - turned[:, across]
     other = replace(difference, coefficients=turned)
-    found = law.plus(_times(difference, proximal)).plus(_times(other, distal))
+    polynomial = law.plus(_times(difference, proximal)).plus(_times(other, distal))
     deviations = None if element.deviations is None else element.deviations.on(lower, upper)
-    return replace(element, polynomial=found, deviations=deviations)
+    return replace(element, polynomial=polynomial, deviations=deviations)
 
 
 def hindered_share(modulus: float, neighbour: float) -> float:

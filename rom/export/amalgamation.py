@@ -49,10 +49,10 @@ class Sources:
     @classmethod
     def of(cls, units: Sequence[Path]) -> Sources:
         """The units in their order, and all that they include."""
-        found = cls()
+        sources = cls()
         for unit in units:
-            found._read(unit.resolve())
-        return found
+            sources._read(unit.resolve())
+        return sources
 
     def _read(self, path: Path) -> File:
         if path not in self.files:
@@ -82,13 +82,13 @@ class Sources:
         Raises:
             ModelError: two headers declare the same.
         """
-        found: dict[str, str] = {}
+        renamed: dict[str, str] = {}
         for file in self.files.values():
             for name in file.names if file.path.suffix == ".h" else ():
-                if name in found:
+                if name in renamed:
                     raise ModelError(f"names of headers must differ, got {name} of {file.path.name} twice")
-                found[name] = f"{prefix}{name}"
-        return found
+                renamed[name] = f"{prefix}{name}"
+        return renamed
 
     def text(self, needed: str, prefix: str) -> str:
         """Declarations of the sources that a text needs, renamed.
@@ -110,8 +110,8 @@ class Sources:
             )
             parts += [_renamed(one, names) for one in file.own]
         root = Declaration(text=renamed(needed, shared), names=frozenset())
-        found = [_internal(one) for one in _reached(root, parts)]
-        return "".join(one if one.startswith("\n") else f"\n{one}" for one in found)
+        declared = [_internal(one) for one in _reached(root, parts)]
+        return "".join(one if one.startswith("\n") else f"\n{one}" for one in declared)
 
 
 def _renamed(one: Declaration, names: Mapping[str, str]) -> Declaration:
@@ -124,13 +124,13 @@ def _reached(root: Declaration, parts: list[Declaration]) -> list[Declaration]:
     for one in parts:
         for name in one.names:
             by_name.setdefault(name, []).append(one)
-    found, left = set[int](), [root]
+    reached, left = set[int](), [root]
     while left:
         for name in left.pop().needs():
-            more = [one for one in by_name.pop(name, []) if id(one) not in found]
-            found |= {id(one) for one in more}
+            more = [one for one in by_name.pop(name, []) if id(one) not in reached]
+            reached |= {id(one) for one in more}
             left += more
-    return [one for one in parts if id(one) in found]
+    return [one for one in parts if id(one) in reached]
 
 
 def _internal(one: Declaration) -> str:

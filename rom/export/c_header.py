@@ -28,7 +28,7 @@ def header(model: SeparatedModel | TouchedSegment, name: str = "finger") -> str:
         ModelError: the name is no C identifier.
     """
     if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
-        raise ModelError(f"name must be a C identifier, got {name}")
+        raise ModelError(f"name must be a C identifier (letters, digits and _, a letter first), got {name}")
     if isinstance(model, TouchedSegment):
         return rod_header(model, name)
     arrays, kernel = definitions(model.kernel, f"{name}_part_")

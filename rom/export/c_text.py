@@ -47,14 +47,14 @@ class Declaration:
 
 def declarations(text: str) -> list[Declaration]:
     """The declarations of C source text, in order; its includes must have been removed."""
-    found: list[Declaration] = []
+    parsed: list[Declaration] = []
     code: list[str] = []
     begin, depth, conditions, names = 0, 0, 0, set[str]()
     for token in TOKEN.finditer(text):
         one, kind, line = token[0], token.lastgroup, False
         if kind == "comment":
-            if found and not code and not conditions and "\n" not in text[begin : token.start()]:
-                found[-1], begin = _continued(found[-1], text[begin : token.end()]), token.end()
+            if parsed and not code and not conditions and "\n" not in text[begin : token.start()]:
+                parsed[-1], begin = _continued(parsed[-1], text[begin : token.end()]), token.end()
             continue
         if kind == "directive":
             if depth:
@@ -74,9 +74,9 @@ def declarations(text: str) -> list[Declaration]:
         if line:
             text_of = text[begin : token.end()]
             prototype = bool(code) and code[-1] == ";" and _is_function(code)
-            found.append(Declaration(text=text_of, names=frozenset(names), prototype=prototype))
+            parsed.append(Declaration(text=text_of, names=frozenset(names), prototype=prototype))
             begin, names, code = token.end(), set(), []
-    return found
+    return parsed
 
 
 def declared(code: list[str]) -> set[str]:
@@ -110,15 +110,15 @@ def _is_function(code: list[str]) -> bool:
 
 def _flat(code: list[str]) -> list[str]:
     """Tokens outside of all brackets, which remain themselves; attributes are left out."""
-    found, depth = list[str](), 0
+    outside, depth = list[str](), 0
     for one in code:
         depth -= one in CLOSED
         if not depth:
-            found.append(one)
+            outside.append(one)
         depth += one in OPEN
-        if found[-3:] == [ATTRIBUTE, "(", ")"]:
-            del found[-3:]
-    return found
+        if outside[-3:] == [ATTRIBUTE, "(", ")"]:
+            del outside[-3:]
+    return outside
 
 
 def _parts(text: str) -> Iterator[re.Match[str]]:

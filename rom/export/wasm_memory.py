@@ -72,10 +72,10 @@ class Image:
 
 def owners(root: Any) -> dict[int, Any]:
     """A struct, and all that it keeps alive, by their addresses here."""
-    found = {address(root): root}
+    structs = {address(root): root}
     for kept in kept_by(root):
-        found |= owners(kept)
-    return found
+        structs |= owners(kept)
+    return structs
 
 
 def address(pointer: Any) -> int:
@@ -85,13 +85,13 @@ def address(pointer: Any) -> int:
 
 def _fields(kind: Any) -> list[tuple[str, int, Any]]:
     """Name, place and kind of a struct's fields there."""
-    found, offset = [], 0
+    fields, offset = [], 0
     for name, one in kind.fields:
         size, aligned = _layout(one.type)
         offset += -offset % aligned
-        found.append((name, offset, one.type))
+        fields.append((name, offset, one.type))
         offset += size
-    return found
+    return fields
 
 
 def _layout(kind: Any) -> tuple[int, int]:

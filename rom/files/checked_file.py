@@ -91,6 +91,8 @@ def kind_of(path: Path) -> str:
 
 def _check(path: Path, kind: str, number: int) -> None:
     contents = path.read_bytes()
+    if not contents:
+        raise ModelError(f"{path}: is not a model file, but empty")
     words = contents[:BLOCK].split(b"\n")[0].decode(errors="replace").split(", ")
     if len(words) != 3 or not words[0].startswith("fingerfem "):
         raise ModelError(f"{path}: is not a model file{uses_of(path)}")
@@ -99,7 +101,7 @@ def _check(path: Path, kind: str, number: int) -> None:
     if words[1] != f"format {number}":
         raise ModelError(f"{path}: must be a model of format {number}, got {words[1]}; build it again")
     if words[2] != f"sha256 {hashlib.sha256(contents[BLOCK:]).hexdigest()}":
-        raise ModelError(f"{path}: is damaged: its checksum is not that of its contents")
+        raise ModelError(f"{path}: is damaged: its checksum is not that of its contents; copy or build it again")
 
 
 def dataset(group: h5py.Group, name: str, values: np.ndarray, unit: str) -> None:

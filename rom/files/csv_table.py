@@ -103,6 +103,10 @@ def read_table(path: str | Path) -> CsvTable:
     delimiter = next((one for one in "\t;" if one in numbered[0][1]), ",")
     cells = [(k, _cells(f"{path}, line {k}", line, delimiter)) for k, line in numbered]
     (first, names), rows = cells[0], cells[1:]
+    for k, row in rows:
+        if any(cell.strip() for cell in row[len(names) :]):
+            commas = "; decimal commas need tabs or semicolons between cells" if delimiter == "," else ""
+            raise Refused(f"{path}, line {k}: must have {len(names)} cells, as many as names, got {len(row)}{commas}")
     return CsvTable(Path(path), first, names, rows, delimiter != ",")
 
 

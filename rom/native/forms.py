@@ -26,10 +26,10 @@ def values(tables: Any, form: int, points: np.ndarray) -> np.ndarray:
     Outside an axis the end pieces go on for one interval, and then stay: whoever calls decides what lies inside.
     """
     points = np.ascontiguousarray(points, float)
-    found = np.empty((len(points), tables.forms[ROW * form + COMPONENTS]))
-    given = pointer(points), memory_of(tables), pointer(found), LIBRARY.ffi.NULL
+    results = np.empty((len(points), tables.forms[ROW * form + COMPONENTS]))
+    given = pointer(points), memory_of(tables), pointer(results), LIBRARY.ffi.NULL
     LIBRARY.functions.fingerfem_form(tables, form, len(points), *given)
-    return found
+    return results
 
 
 def rows(kernel: Any) -> int:
@@ -75,7 +75,7 @@ def contact_errors(
         points: they may lie outside the box, shape (n, p).
         touch_distances: there, shape (n,) [m].
     """
-    points, found = np.ascontiguousarray(points, float), np.empty((len(points), rates.shape[-1]))
+    points, errors = np.ascontiguousarray(points, float), np.empty((len(points), rates.shape[-1]))
     LIBRARY.functions.fingerfem_contact_errors(
         kernel,
         pointer(np.ascontiguousarray(rates, float)),
@@ -84,6 +84,6 @@ def contact_errors(
         len(points),
         pointer(points),
         pointer(np.ascontiguousarray(touch_distances, float)),
-        pointer(found),
+        pointer(errors),
     )
-    return found
+    return errors

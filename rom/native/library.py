@@ -65,10 +65,10 @@ def processor() -> str:
     if platform.machine() != "x86_64" or not Path("/proc/cpuinfo").exists():
         return ""
     (flags, *_) = re.findall(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE) or [""]
-    found = set(flags.split())
+    available = set(flags.split())
     level = ""
     for name, features in reversed(FEATURES.items()):
-        if not features <= found:
+        if not features <= available:
             break
         level = name
     return level
@@ -101,22 +101,22 @@ class Library:
         """The headers' types."""
         from cffi import FFI
 
-        found = FFI()
+        types = FFI()
         if self._stands_on is not None:
-            found.include(self._stands_on.ffi)
+            types.include(self._stands_on.ffi)
         for header in self._headers:
-            found.cdef(re.sub(r"^\s*#.*$", "", header.read_text(encoding="utf-8"), flags=re.MULTILINE))
-        return found
+            types.cdef(re.sub(r"^\s*#.*$", "", header.read_text(encoding="utf-8"), flags=re.MULTILINE))
+        return types
 
     @cached_property
     def constants(self) -> Any:
         """The headers' enumerators as attributes; nothing is built for them."""
         from cffi import FFI
 
-        found = FFI()  # of enumerations alone, as whole headers take ten times as long
+        enumerations = FFI()  # of enumerations alone, as whole headers take ten times as long
         for header in self._headers:
-            found.cdef("\n".join(re.findall(r"\benum \{[^}]*\};", header.read_text(encoding="utf-8"))))
-        return found.dlopen(None)
+            enumerations.cdef("\n".join(re.findall(r"\benum \{[^}]*\};", header.read_text(encoding="utf-8"))))
+        return enumerations.dlopen(None)
 
     @cached_property
     def functions(self) -> Any:
@@ -181,10 +181,10 @@ class Library:
     def _fingerprint(self) -> str:
         """Hash of all that the library is made from."""
         under = "" if self._stands_on is None else self._stands_on._fingerprint  # whose structs it has compiled in
-        found = hashlib.sha256((under + " ".join(FLAGS)).encode())
+        digest = hashlib.sha256((under + " ".join(FLAGS)).encode())
         for file in sorted(self.folder.rglob("*.[ch]")):
-            found.update(file.relative_to(self.folder).as_posix().encode() + file.read_bytes())
-        return found.hexdigest()[:16]
+            digest.update(file.relative_to(self.folder).as_posix().encode() + file.read_bytes())
+        return digest.hexdigest()[:16]
 
     @cached_property
     def _aligned(self) -> Any:
@@ -196,18 +196,18 @@ class Library:
         libc = own.dlopen(None)
 
         def allocate(size: int) -> Any:
-            found = own.new("void **")
-            if libc.posix_memalign(found, LINE, max(size, 1)):
+            address = own.new("void **")
+            if libc.posix_memalign(address, LINE, max(size, 1)):
                 raise MemoryError(f"memory must have {size} bytes left, got none")
-            return found[0]
+            return address[0]
 
         return self.ffi.new_allocator(allocate, libc.free)
 
     def pointers(self, kind: str, structs: Sequence[Any]) -> Any:
         """An array of pointers to C structs of a kind, which live as long as it does."""
-        found = self.ffi.new(f"{kind} *[]", list(structs))
-        _kept[found] = list(structs)
-        return found
+        array = self.ffi.new(f"{kind} *[]", list(structs))
+        _kept[array] = list(structs)
+        return array
 
     def struct(self, kind: str, **values: Any) -> Any:
         """A C struct; what its fields point to lives as long as it does.
@@ -217,7 +217,7 @@ class Library:
             values: numbers; arrays where it points to numbers; structs where it points to these; and of structs in it
                 their values, as mappings.
         """
-        found, fields, kept = self.ffi.new(f"{kind} *"), dict(self.ffi.typeof(kind).fields), []
+        struct, fields, kept = self.ffi.new(f"{kind} *"), dict(self.ffi.typeof(kind).fields), []
         for name, value in values.items():
             of = fields[name].type
             if of.kind == "pointer" and of.item.kind == "primitive":
@@ -230,9 +230,9 @@ class Library:
                 value = kept[-1][0]
             elif of.kind == "pointer":
                 kept.append(value)
-            setattr(found, name, value)
-        _kept[found] = kept
-        return found
+            setattr(struct, name, value)
+        _kept[struct] = kept
+        return struct
 
 
 def kept_by(struct: Any) -> list[Any]:

@@ -35,7 +35,7 @@ def bulges_of(
         trained: which of the elements' loads every load is.
         length: of the segment from its clamp to its plate's centre [m].
     """
-    found, tendons = np.zeros((len(trained), 2)), len(scene["tendons"])
+    heights, tendons = np.zeros((len(trained), 2)), len(scene["tendons"])
     for j, k in enumerate(trained):
         if k < tendons:
             continue
@@ -50,5 +50,5 @@ def bulges_of(
             wall = half - abs(chamber["centre"][axis]) - chamber["size"][axis] / 2
             if wall < THIN * width:
                 height = SHAPE * max(growth, 0.0) / (span * size * width)
-                found[j, axis] = np.copysign(height, chamber["centre"][axis])
-    return found
+                heights[j, axis] = np.copysign(height, chamber["centre"][axis])
+    return heights

@@ -119,8 +119,8 @@ def errors_of(rod: Rod) -> ExpectedErrors:
     thinner = [sum(one.length / one.size for one in own) / sum(one.length for one in own) for own in rod.pieces]
     longer = float(np.dot(thinner, geometry["segments"]) / (rod.similarity.size * trained))
     kinds = {piece.kind for own in rod.pieces for piece in own}
-    found = expected_errors(rod.elements, kinds, rod.similarity.size, longer, _added(rod))
-    return found.at_least(rod.calibration.get("errors", {}), rod.elements)
+    errors = expected_errors(rod.elements, kinds, rod.similarity.size, longer, _added(rod))
+    return errors.at_least(rod.calibration.get("errors", {}), rod.elements)
 
 
 def _added(rod: Rod) -> Added:

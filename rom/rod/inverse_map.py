@@ -52,8 +52,8 @@ class InverseMap:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled and copied by its map and what it found last, without addresses."""
-        found = self.wrench.copy(), self.stiffness.copy(), self.inside, self.converged
-        return type(self), (self.segment,), (found, self._quaternion.copy())
+        last = self.wrench.copy(), self.stiffness.copy(), self.inside, self.converged
+        return type(self), (self.segment,), (last, self._quaternion.copy())
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         (self.wrench[:], self.stiffness[:], self.inside, self.converged), self._quaternion[:] = state

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,11 +17,10 @@ from numpy.typing import ArrayLike
 from rom.brief import brief
 from rom.console.table import Table, as_html
 from rom.dataset.actuators import actuators_of
-from rom.dataset.geometry import sizes_of, tip_at_rest
+from rom.dataset.geometry import tip_at_rest
 from rom.elements.elements import Elements
 from rom.elements.limits import check as check_elements
-from rom.elements.pieces import Piece, cut
-from rom.elements.taper import TaperedRubber, tapered_pieces
+from rom.elements.pieces import Piece
 from rom.files import checked_file
 from rom.files.checked_file import ModelError
 from rom.native import PickledByFields
@@ -33,7 +31,7 @@ from rom.rod.chain_of_rod import chain_of
 from rom.rod.compiled import reports
 from rom.rod.expected_errors import ExpectedErrors, errors_of
 from rom.rod.limits import check as check_rod
-from rom.rod.scene.intervals_of_rod import cuts_of, in_segment, with_materials
+from rom.rod.scene.intervals_of_rod import pieces_of
 from rom.rod.scene.scene_of_rod import Similarity, completed, of_tables, passing, read_scene, similarity
 from rom.rod.segment import Segment, segment_of
 from rom.rod.tables import summary
@@ -111,23 +109,14 @@ class Rod(PickledByFields):
     @cached_property
     def pieces(self) -> list[list[Piece]]:
         """The elements of every segment, from its plate to its clamp."""
-        geometry, lengths = self.scene["geometry"], {kind: law.lengths for kind, law in self.own.laws.items()}
-        found, half = [], geometry["plate"] / 2
-        for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
-            rubber = TaperedRubber(begin, end, geometry["segments"][k] - end * half, half)
-            intervals = in_segment(self.similarity.intervals, geometry, k)
-            try:
-                own = tapered_pieces(lengths, rubber, cuts_of(intervals))
-            except ModelError as error:
-                raise ModelError(f"geometry.segments.{k}: {error}") from None
-            found.append(cut(with_materials(own, intervals), self.parts))
-        return found
+        lengths = {kind: law.lengths for kind, law in self.own.laws.items()}
+        return pieces_of(lengths, self.scene["geometry"], self.similarity.intervals, self.parts)
 
     @cached_property
     def segments(self) -> list[Segment]:
         """Segments from clamp to tip; a tendon passes all segments up to its plate, a chamber is in one."""
-        known = self.elements.scene, self.scene, self.similarity
-        return [segment_of(self.own, own, *passing(*known, k)) for k, own in enumerate(self.pieces)]
+        scenes = self.elements.scene, self.scene, self.similarity
+        return [segment_of(self.own, own, *passing(*scenes, k)) for k, own in enumerate(self.pieces)]
 
     @property
     def parameters(self) -> list[Parameter]:
@@ -231,8 +220,8 @@ class Rod(PickledByFields):
         Example:
             >>> Rod.load("finger.h5").sections([30.0, 0.0], at=[0.02, 0.04]).rotations  # doctest: +SKIP
         """
-        known = np.unique(self.edges[:, 0]) if at is None else np.atleast_1d(np.asarray(at, float))
-        return shape.sections(self, shape.placed(self, *self._inputs(tensions, wrenches)), known)
+        distances = np.unique(self.edges[:, 0]) if at is None else np.atleast_1d(np.asarray(at, float))
+        return shape.sections(self, shape.placed(self, *self._inputs(tensions, wrenches)), distances)
 
     @property
     def edges(self) -> np.ndarray:
@@ -261,9 +250,9 @@ class Rod(PickledByFields):
         Raises:
             ModelError: the scene has no [gravity], or the direction is zero or not finite.
         """
-        found, scene = copy(self), turned(self.scene, np.asarray(direction, float).tolist(), acceleration)
-        vars(found).update({name: one for name, one in vars(self).items() if name != "struct"} | {"scene": scene})
-        return found
+        rod, scene = copy(self), turned(self.scene, np.asarray(direction, float).tolist(), acceleration)
+        vars(rod).update({name: one for name, one in vars(self).items() if name != "struct"} | {"scene": scene})
+        return rod
 
     def with_accuracy(self, accuracy: dict[str, Any]) -> Rod:
         """The same finger with its measured errors."""
@@ -299,5 +288,5 @@ class Rod(PickledByFields):
         plain["scene"] = plain["scene"] | of_tables(plain["scene"])
         elements = Elements.read(file["elements"])
         check_elements(elements)
-        check_rod(found := cls(elements=elements, **plain))
-        return found
+        check_rod(rod := cls(elements=elements, **plain))
+        return rod

@@ -110,15 +110,15 @@ class Segment(PickledByFields):
         The second moments I are those that the middle element's law has at small moments.
         """
         k, t = len(self.elements) // 2, self.tensions
-        found = []
+        sides = []
         for axis in (2, 1):  # a moment about z bends towards y
             moment = 1e-3 * self.elements[k].polynomial.upper[-3 + axis]
             inputs = np.zeros((2, t + 6))
             inputs[:, t + 3 + axis] = -moment, moment
             turn = 2 * np.ptp(self.elements[k].value(inputs)[:, 3 + axis])
             modulus = self.moduli[k] * self.young_modulus
-            found.append((24 * moment * self.outlines[k].length / (turn * modulus)) ** 0.25)
-        return np.array(found) * 2 / (1 + self.begins)
+            sides.append((24 * moment * self.outlines[k].length / (turn * modulus)) ** 0.25)
+        return np.array(sides) * 2 / (1 + self.begins)
 
     @property
     def ridges(self) -> np.ndarray:
@@ -239,9 +239,9 @@ def _in_one_box(laws: dict[Piece, ElementMap], outlines: dict[Piece, compiled.Ou
 
 def _guided(scene: dict[str, Any], loads: int) -> np.ndarray:
     """1 of tendons in channels, 0 of other loads, shape (loads,)."""
-    found = np.zeros(loads)
-    found[: len(scene["tendons"])] = [one.get("path", "channel") == "channel" for one in scene["tendons"]]
-    return found
+    guided = np.zeros(loads)
+    guided[: len(scene["tendons"])] = [one.get("path", "channel") == "channel" for one in scene["tendons"]]
+    return guided
 
 
 def _offset(tendons: Sequence[dict[str, Any]], k: int) -> list[float]:

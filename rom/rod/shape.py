@@ -51,6 +51,14 @@ class Placed:
         """Length from there to its proximal section at rest [m]."""
         return self.piece.length
 
+    @property
+    def stretch(self) -> float:
+        """Length of the rubber's axis over that at rest, as an arc of a circle [-]."""
+        centre, turned = self.proximal
+        chord = float(np.linalg.norm(self.place - self.half * self.rotation[:, 0] - centre))
+        half = float(rotation_vectors.angles(self.rotation, turned)) / 2
+        return chord / float(np.sinc(half / np.pi)) / (self.length - self.half)
+
 
 def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]:
     """The elements of a finger from clamp to tip.
@@ -61,7 +69,7 @@ def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]
         wrenches: on the plates in their own frames, shape (plates, 6) [N, N m].
     """
     at = 0.0
-    before, found = (np.zeros(3), np.eye(3)), list[Placed]()
+    before, elements = (np.zeros(3), np.eye(3)), list[Placed]()
     for k, sections in enumerate(reports.elements(rod.struct, tensions, wrenches)):
         segment, trained = rod.segments[k], np.zeros(rod.elements.tensions)
         half = segment.half_lengths[0]
@@ -69,7 +77,7 @@ def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]
         whole = list(zip(rod.pieces[k], *sections, strict=True))
         for piece, place, rotation, wrench in whole[::-1]:
             at += piece.length
-            found.append(
+            elements.append(
                 Placed(
                     piece=piece,
                     at=at,
@@ -83,7 +91,7 @@ def placed(rod: Rod, tensions: np.ndarray, wrenches: np.ndarray) -> list[Placed]
             before = place, rotation
         at += half
         before = place + half * rotation[:, 0], rotation
-    return found
+    return elements
 
 
 def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.ndarray:
@@ -102,7 +110,7 @@ def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.nd
     length = sum(rod.scene["geometry"]["segments"])
     if points.ndim != 2 or points.shape[1] != 3 or _outside(points, length, half_at(rod, points[:, 0])):
         raise ModelError(f"points must lie in the finger at rest, shape (points, 3), got {points.tolist()[:1]}")
-    found = np.empty_like(points)
+    positions = np.empty_like(points)
     for x in np.unique(points[:, 0]):
         own, one = points[:, 0] == x, _at(elements, x)
         if one.half and one.at - x <= one.half * (1 + SHARE):
@@ -110,8 +118,8 @@ def displacements(rod: Rod, elements: list[Placed], points: np.ndarray) -> np.nd
         else:
             shares = np.prod(1 + CORNERS * points[own, None, 1:] / half_at(rod, x), axis=2) / 4
             seen = shares @ _corners(rod, one, one.at - x)
-        found[own] = one.place + seen @ one.rotation.T
-    return found - points
+        positions[own] = one.place + seen @ one.rotation.T
+    return positions - points
 
 
 @brief

@@ -135,9 +135,9 @@ class TouchedRod(ParametricModel, PickledByFields):
         m = len(self.objects)
         parameters = parameters if d is None else joined(parameters, d, m)
         evaluation = evaluate(self.touching, self._points(parameters))
-        (out, errors, inside, _), found = evaluation, self._report(evaluation)
+        (out, errors, inside, _), report = evaluation, self._report(evaluation)
         if np.ndim(parameters) == 1:
-            out, errors, inside, found = out[0], errors[0], inside[0], FingerReport(*(one[0] for one in found))
+            out, errors, inside, report = out[0], errors[0], inside[0], FingerReport(*(one[0] for one in report))
         return Answer(
             tip=out[..., :3],
             contact_force=out[..., 3 : 3 + m],
@@ -145,11 +145,11 @@ class TouchedRod(ParametricModel, PickledByFields):
             pad_pressure=None,
             error=dict(zip(QUANTITIES, (errors[..., 0], errors[..., 1 : 1 + m], errors[..., 1 + m :]), strict=True)),
             inside=inside,
-            orientation=found.orientation,
-            orientation_error=found.orientation_error,
-            shortenings=found.shortenings,
-            shortening_error=found.shortening_error,
-            **({"growths": found.growths, "growth_error": found.growth_error} if found.growths.size else {}),
+            orientation=report.orientation,
+            orientation_error=report.orientation_error,
+            shortenings=report.shortenings,
+            shortening_error=report.shortening_error,
+            **({"growths": report.growths, "growth_error": report.growth_error} if report.growths.size else {}),
         )
 
     def report(self, parameters: ArrayLike) -> FingerReport:
@@ -164,8 +164,8 @@ class TouchedRod(ParametricModel, PickledByFields):
         Example:
             >>> TouchedSegment.load().report([30.0, 0.0, 0.010]).shortening_jacobian
         """
-        found = self._report(evaluate(self.touching, self._points(parameters)))
-        return FingerReport(*(one[0] for one in found)) if np.ndim(parameters) == 1 else found
+        reports = self._report(evaluate(self.touching, self._points(parameters)))
+        return FingerReport(*(one[0] for one in reports)) if np.ndim(parameters) == 1 else reports
 
     def _report(self, evaluation: Evaluation) -> FingerReport:
         return FingerReport.of(evaluation, len(self.rod.scene["tendons"]), self.rod.errors.growth)
@@ -176,11 +176,11 @@ class TouchedRod(ParametricModel, PickledByFields):
         A plate is rigid. If its wrench does not determine all of its contacts' forces, they are one of many solutions.
         """
         (point,) = self._points(parameters)
-        found = pressing(self.touching, point)
-        least = 1e-6 * found.forces.max(initial=0.0)
+        contacts = pressing(self.touching, point)
+        least = 1e-6 * contacts.forces.max(initial=0.0)
         return [
             ContactForce(int(plate), place, normal, force * normal, True, bool(rubber), int(number))
-            for plate, number, rubber, place, normal, force in zip(*found, strict=True)
+            for plate, number, rubber, place, normal, force in zip(*contacts, strict=True)
             if force > least
         ]
 
@@ -217,8 +217,8 @@ class TouchedRod(ParametricModel, PickledByFields):
 
     def value_and_jacobian(self, parameters: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tip x, y, z [m], contact forces [N], touch distances [m], shape (3 + 2 m,); and `jacobian`."""
-        found = self.answers(parameters)
-        return found.out[0], found.jacobians[0]
+        answer = self.answers(parameters)
+        return answer.out[0], answer.jacobians[0]
 
 
 @brief

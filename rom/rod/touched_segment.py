@@ -94,7 +94,7 @@ class TouchedSegment(TouchedRod):
 
         Like `TouchedRod.evaluate`, but the arrays have no dimension for the objects.
         """
-        found = super().evaluate(parameters, d)
-        error = {name: one if name == "tip" else one[..., 0][()] for name, one in found.error.items()}
-        force, touch = found.contact_force[..., 0][()], found.touch_distance[..., 0][()]
-        return replace(found, contact_force=force, touch_distance=touch, error=error)
+        answer = super().evaluate(parameters, d)
+        error = {name: one if name == "tip" else one[..., 0][()] for name, one in answer.error.items()}
+        force, touch = answer.contact_force[..., 0][()], answer.touch_distance[..., 0][()]
+        return replace(answer, contact_force=force, touch_distance=touch, error=error)

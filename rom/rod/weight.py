@@ -11,7 +11,7 @@ from rom.brief import brief
 from rom.dataset.geometry import rubber_of
 from rom.dataset.sections.section import area
 from rom.files.checked_file import ModelError
-from rom.rod.scene.materials_of_rod import DENSEST, line_mass
+from rom.rod.scene.materials_of_rod import DENSEST, LIGHTEST, line_mass
 
 if TYPE_CHECKING:
     from rom.rod.rod import Rod
@@ -52,12 +52,13 @@ def gravity_of(table: Mapping[str, Any], density: Mapping[str, Any] | None = Non
         raise ModelError(f"gravity.{missing[0]} must be given, got none")
     if unknown := sorted(set(table) - known):
         raise ModelError(f"gravity must have the keys {', '.join(sorted(known))}, got {unknown[0]}")
-    found: dict[str, Any] = {"plate_density": STEEL, "acceleration": STANDARD} | dict(table)
+    gravity: dict[str, Any] = {"plate_density": STEEL, "acceleration": STANDARD} | dict(table)
     for name, most in (("density", DENSEST), ("plate_density", DENSEST), ("acceleration", LARGEST)):
-        found[name] = value = _number(name, found[name])
-        if not 0 <= value <= most or (name == "density" and value == 0):
-            raise ModelError(f"gravity.{name} must be from 0 to {most:g}, the rubber's density above 0, got {value:g}")
-    return found | {"direction": _direction(table["direction"])}
+        gravity[name] = value = _number(name, gravity[name])
+        least = LIGHTEST if name == "density" else 0.0
+        if not least <= value <= most:
+            raise ModelError(f"gravity.{name} must be from {least:g} to {most:g}, got {value:g}")
+    return gravity | {"direction": _direction(table["direction"])}
 
 
 def _number(name: str, given: Any) -> float:
@@ -99,11 +100,11 @@ def weight_of(rod: Rod) -> Weight | None:
 
 def _voids(scene: Mapping[str, Any], lengths: np.ndarray, begin: float) -> np.ndarray:
     """Volumes of chambers in elements, from the plate to a clamp at `begin` [m], shape (elements,) [m^3]."""
-    found, begins = np.zeros(len(lengths)), begin + np.cumsum(lengths[::-1])[::-1] - lengths
+    volumes, begins = np.zeros(len(lengths)), begin + np.cumsum(lengths[::-1])[::-1] - lengths
     for one in scene.get("chambers") or []:
         overlap = np.minimum(begins + lengths, one["x"][1]) - np.maximum(begins, one["x"][0])
-        found += np.prod(one["size"]) * np.maximum(overlap, 0.0)
-    return found
+        volumes += np.prod(one["size"]) * np.maximum(overlap, 0.0)
+    return volumes
 
 
 def _pairs(ends: tuple[float, float]) -> list[tuple[float, float]]:

@@ -79,12 +79,12 @@ def slopes(factors: Factors, derivative: np.ndarray, axis: int) -> np.ndarray:
         derivative: of that tensor by the axis, of the same shape, nan where it is missing.
         axis: from 1.
     """
-    known, found = np.isfinite(derivative), list(factors)
-    derivative, found[axis] = np.where(known, derivative, 0.0), np.zeros_like(factors[axis])
+    known, changes = np.isfinite(derivative), list(factors)
+    derivative, changes[axis] = np.where(known, derivative, 0.0), np.zeros_like(factors[axis])
     for _ in range(2 if known.all() else ROUNDS):
-        found[axis] = _solved(derivative, found, axis)
-        derivative = np.where(known, derivative, compose(found))
-    return found[axis]
+        changes[axis] = _solved(derivative, changes, axis)
+        derivative = np.where(known, derivative, compose(changes))
+    return changes[axis]
 
 
 def compose(factors: Factors) -> np.ndarray:

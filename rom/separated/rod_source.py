@@ -45,9 +45,9 @@ def rod_samples(model: TouchedSegment, nodes: int = NODES, progress: Progress = 
     wide = replace(model, obstacle=replace(model.obstacle, distances=(nearest, max(farthest, length))))
 
     def sampled(tensions: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = wide.answers(joined(tensions, d).reshape(-1, p))
-        good = (found.evaluations > 0) & (found.out[:, FORCE] < BEYOND * model.rod.force)
-        values, jacobians = np.where(good, found.out.T, np.nan).T, np.where(good, found.jacobians.T, np.nan).T
+        answer = wide.answers(joined(tensions, d).reshape(-1, p))
+        good = (answer.evaluations > 0) & (answer.out[:, FORCE] < BEYOND * model.rod.force)
+        values, jacobians = np.where(good, answer.out.T, np.nan).T, np.where(good, answer.jacobians.T, np.nan).T
         return values.reshape(*d.shape, -1), jacobians.reshape(*d.shape, -1, p)
 
     axes = [np.linspace(one.lower, one.upper, nodes) for one in model.parameters[:-1]]
@@ -111,9 +111,9 @@ def measured(
     answers, true = table.evaluate(points), {name: getattr(own, name) for name in QUANTITIES}
     inside = np.asarray(own.inside & answers.inside)
     right = (answers.contact_force > 0) == (own.contact_force > 0)
-    found = compared(answers, true, differences(answers, true), inside)
-    found["touch_distance"]["decided"] = float(np.mean(right[inside]))
-    return found
+    errors = compared(answers, true, differences(answers, true), inside)
+    errors["touch_distance"]["decided"] = float(np.mean(right[inside]))
+    return errors
 
 
 def _random(model: TouchedSegment, random: np.random.Generator, count: int) -> tuple[np.ndarray, Answer]:

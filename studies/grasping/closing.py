@@ -10,6 +10,7 @@ from control import Gripper
 from control.grasping.grasp_controller import Grip
 
 GENTLY = 0.4  # of the held force, with which fingers wait for each other [-]
+SAFE = 0.97  # share of the force that crushes [-]
 SQUEEZE = 0.3  # from there to the held force [s]
 
 
@@ -19,6 +20,7 @@ class Closing:
 
     Attributes:
         wanted: contact forces in the end, shape (fingers,) [N]; `share` of them are the targets now [-].
+        most: force that crushes it [N]; no finger squeezes or lifts that feels more than SAFE of it.
         radius: half-width of what is grasped [m]; nan if it is unknown.
         uncertain: largest error of the position of its faces [m].
         off_centre: largest distance of its centre from the gripper's axis [m], which three fingers measure.
@@ -28,6 +30,7 @@ class Closing:
     gripper: Gripper
     grips: list[Grip]
     wanted: np.ndarray
+    most: float = np.inf
     radius: float = np.nan
     uncertain: float = np.inf
     off_centre: float = np.inf
@@ -42,13 +45,22 @@ class Closing:
 
     def targets(self) -> np.ndarray:
         """Contact forces from now on, shape (fingers,) [N]: all squeeze once all have touched."""
-        if any(grip.done and grip.status != "converged" for grip in self.grips):
-            self.doubt = self.failed()
-        elif self.squeezing or all(grip.stage == "hold" for grip in self.grips):
+        self.doubt = self.doubt or self.doubt_now()
+        if self.doubt:
+            return self.share * self.wanted
+        if self.squeezing or all(grip.stage == "hold" for grip in self.grips):
             self.squeezing, self.doubt = True, self.misplaced()
             if not self.doubt:
                 self.share = min(self.share + (1 - GENTLY) * self.grips[0].period / SQUEEZE, 1.0)
         return self.share * self.wanted
+
+    def doubt_now(self) -> str:
+        """Which finger has failed or nearly crushes the solid; empty if none."""
+        felt = [grip.felt for grip in self.grips]
+        worst = int(np.argmax(felt))
+        if felt[worst] > SAFE * self.most:
+            return f"finger {worst} presses with {felt[worst]:.3g} N, near the admissible {self.most:.3g} N"
+        return self.failed() if any(grip.done and grip.status != "converged" for grip in self.grips) else ""
 
     def failed(self) -> str:
         """Which fingers do not hold, and why."""

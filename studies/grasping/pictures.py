@@ -14,7 +14,8 @@ from PIL import Image
 from control.mujoco import Simulation
 from control.mujoco.solids import SHAPES
 from rom import TouchedSegment
-from studies.grasping.task import LIFT, PERIOD, attempt, trial
+from studies.grasping.task import LIFT, attempt
+from studies.grasping.trials import PERIOD, trial
 from studies.parts import Run
 
 FIRST = {"box": 15, "sphere": 11, "cylinder": 12, "cone": 13, "mesh": 9}  # trials from which one that is held is sought

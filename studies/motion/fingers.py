@@ -17,17 +17,15 @@ Table = dict[str, Any]
 DENSITY = 1070.0  # of the rubber [kg/m^3]
 DISTANCES = (0.001, 0.06)  # of the plane [m]
 BUNDLED = ROOT / "scenes" / "silicone" / "square_pressed.toml"
-SECTIONS: dict[str, Table] = {
-    "circle": {"shape": "circle", "diameter": 0.020},
-    "ring": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
-}
-OFFSET, ACROSS = 0.007, {"circle": 4, "ring": 6}  # of two tendons, towards y and z [m]; cells across the section
-ROUND: Table = {
+OFFSET, STRONGEST = 0.0065, 6.0  # of the ring's two tendons, towards y and z [m]; their largest tension [N]
+RING: Table = {
+    "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
     "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
-    "sampling": {"lines": 16, "wrenches": 4},
+    "mesh": {"cells": [6, 7], "order": 2},  # curved, so that the plate rolls
+    "sampling": {"lines": 8, "wrenches": 4},
 }
 CELLS, PLATES = 11, (1, 2, 2, 1)  # of two segments: cells along the rubber of each; where the square's tendons end
-NAMES = "square", "two segments", *SECTIONS
+NAMES = "square", "two segments", "ring"
 
 
 def trained(run: Run, name: str) -> Rod:
@@ -42,14 +40,13 @@ def trained(run: Run, name: str) -> Rod:
 
 
 def training(name: str) -> Table:
-    """The scene of the training: of the bundled square finger, or of a round one."""
+    """The scene of the training: of the bundled square finger, or of the ring."""
     table = tomllib.loads(BUNDLED.read_text())
-    if name not in SECTIONS:
+    if name == "square":
         return table
-    up, right = table["tendons"][:2]
+    up, right = (one | {"tension": [0.0, STRONGEST]} for one in table["tendons"][:2])
     tendons = [up | {"offset": [OFFSET, 0.0]}, right | {"offset": [0.0, OFFSET]}]
-    mesh = {"cells": [15, ACROSS[name]], "order": 1}
-    return table | ROUND | {"name": name, "section": SECTIONS[name], "tendons": tendons, "mesh": mesh}
+    return table | RING | {"name": name, "tendons": tendons}
 
 
 def cell(scene: Table) -> float:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from rom import MovingFinger, Rod
+from rom import Cylinder, MovingFinger, Plane, Rod, Sphere, TouchedSegment
+from rom.dataset.sections.section import top
 from studies.motion.fingers import DENSITY, Table, table, touching, trained
 from studies.parts import Run
 
@@ -25,22 +27,26 @@ MOTIONS: dict[str, Table] = {
         "loads": {"up": 1.0},
         "base": {
             "ay": {"amplitude": 3.0, "frequency": 5.0},
-            "wz": [[0.0, 0.0], [0.06, 8.0], [0.15, -6.0], [0.24, 0.0]],
+            "wz": [[0.0, 0.0], [0.06, 8.0], [0.15, -6.0]],
             "wx": {"amplitude": 6.0, "frequency": 4.0},
         },
     },
     "sine": {"loads": {"up": {"mean": 2.0, "amplitude": 1.5, "frequency": 6.0, "phase": -1.5707963}}},
     "pulse": {"loads": {"up": 1.0, "right": [[0.0, 0.0], [0.015, 4.0], [0.03, 0.0]]}},
 }
-ROUND = "step", "ramps", "release", "moving base"
-SERIES = "step", "two steps", "ramps", "release", "sine"
-OF = {"square": tuple(MOTIONS), "two segments": SERIES, "circle": ROUND, "ring": ROUND}
-TIME = {"end": 0.24, "step": STEP}
+ROUND = "step", "ramps", "release", "moving base", "sine", "pulse"
+OF = {"square": tuple(MOTIONS), "two segments": tuple(MOTIONS), "ring": ROUND}
+TIME = {"end": 0.15, "step": STEP}
 IMPACT = {"time": {"end": 0.06, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]], "d": 0.006}}
 HELD = {"time": {"end": 3600.0, "step": 60.0}, "loads": {"up": [[0.0, 0.0], [0.5, 4.0]], "d": 0.006}}
 FILTER = 1e-3  # mean of the impact's force over this time [s]
 HALVINGS, FINE = (5e-4, 2.5e-4, 1.25e-4), 1.5625e-5  # steps of the order of convergence, and of its reference [s]
 TENDONS = 4  # of the square finger
+PULLED = [4.0, 1.0, 0.0, 0.0]  # tensions of timed steps [N]
+JUMPED = [4.2, 1.0, 0.0, 0.0]  # those by which a finger vibrates that objects press on the rubber [N]
+ALONG, DEEP, CURVED = 0.6, 5e-4, 0.015  # where these press, of the length [-]; how deep, and their radius [m]
+APPROACH = 10  # steps at rest to this depth, from as far away
+BLOCKS, BLOCK = 20, 50  # of timed steps, by turns: a block of each kind
 
 
 def full_order(scene: Table, motion: Table) -> tuple[Any, dict[str, np.ndarray]]:
@@ -94,7 +100,7 @@ def impact(rod: Rod) -> dict[str, Any]:
     ours = [0.0, *(float(one.contact_forces[0]) for one in followed(rod, PRONY, given, full["time"]))]
     forces, steps = (full["contact_force"], np.array(ours)), round(FILTER / SHORT)
     peaks = [float(np.convolve(one, np.ones(steps) / steps, "same").max()) for one in forces]
-    impulses = [float(np.trapezoid(one, full["time"])) for one in forces]
+    impulses = [float(np.diff(full["time"]) @ one[1:]) for one in forces]  # a force is the mean over the step before
     return {
         "peak": peaks[1] / peaks[0] - 1,
         "impulse": impulses[1] / impulses[0] - 1,
@@ -130,23 +136,46 @@ def order(rod: Rod) -> list[float]:
     return [float(np.log2(one / other)) for one, other in pairwise(errors)]
 
 
+def pressed_rubber(rod: Rod, shape: str) -> MovingFinger:
+    """The finger at PULLED, with an object that presses on its rubber at d = 0: a plane on the convex side."""
+    section = rod.sections(PULLED, at=[ALONG * rod.rest[0]])
+    out = section.rotations[0] @ [0.0, -1.0 if shape == "plane" else 1.0, 0.0]
+    surface = section.centres[0] + (top(rod.scene) - DEEP) * out
+    where: dict[str, Any] = {"direction": tuple(out), "distances": (-0.1, 0.1)}
+    obstacle: Plane | Sphere | Cylinder
+    if shape == "plane":
+        obstacle = Plane(centre=tuple(surface), normal=tuple(-out), **where)
+    elif shape == "ball":
+        obstacle = Sphere(centre=tuple(surface + CURVED * out), radius=CURVED, **where)
+    else:
+        obstacle = Cylinder(centre=tuple(surface + CURVED * out), radius=CURVED, **where)
+    model = TouchedSegment(rod=rod, obstacle=obstacle)
+    finger = MovingFinger(model, [*PULLED, np.inf], DENSITY)
+    for d in 2 * DEEP * np.linspace(1.0, 0.0, APPROACH):
+        finger.step([*PULLED, d], 0.05, at_rest=True)
+    if not any(one.rubber for one in model.contact_forces([*PULLED, 0.0])):
+        raise ValueError(f"{shape} must press on the rubber, got contacts of plates alone")
+    return finger
+
+
 def step_times(rod: Rod) -> dict[str, float]:
-    """Medians of a step's time from Python, free, in contact and with branches, over that of an answer at rest [-]."""
-
-    def median(call: Any, count: int = 1000) -> float:
-        taken = []
-        for _ in range(count):
-            begun = time.perf_counter()
-            call()
-            taken.append(time.perf_counter() - begun)
-        return float(np.median(taken))
-
-    model, found = touching(rod), {}
-    answer = median(lambda: model.evaluate([4.0, 1.0, 0.0, 0.0, 0.006]))
+    """Medians of a step's time from Python, by its kind, over that of an answer at rest [-]; all are timed by turns."""
+    model, calls = touching(rod), dict[str, Callable[[], Any]]()
+    calls["answer"] = lambda: model.evaluate([*PULLED, 0.006])
     for name, prony, d in (("free", None, np.inf), ("contact", None, 0.006), ("branches", PRONY, 0.006)):
         finger = MovingFinger(touching(rod, prony), [0.0, 0.0, 0.0, 0.0, d], DENSITY)
-        found[name] = median(lambda finger=finger, d=d: finger.step([4.0, 1.0, 0.0, 0.0, d], 1e-3)) / answer
-    return found | {"answer": 1e6 * answer}
+        calls[name] = partial(finger.step, [*PULLED, d], 1e-3)
+    for shape in ("plane", "ball", "cylinder"):
+        calls[f"rubber, {shape}"] = partial(pressed_rubber(rod, shape).step, [*JUMPED, 0.0], 1e-3)
+    taken = {name: list[float]() for name in calls}
+    for _ in range(BLOCKS):
+        for name, call in calls.items():
+            for _ in range(BLOCK):
+                begun = time.perf_counter()
+                call()
+                taken[name].append(time.perf_counter() - begun)
+    found = {name: float(np.median(one)) for name, one in taken.items()}
+    return {name: one / found["answer"] for name, one in found.items()} | {"answer": 1e6 * found["answer"]}
 
 
 def measure(run: Run) -> dict[str, Any]:

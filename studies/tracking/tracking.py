@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -13,13 +15,15 @@ from control import Flaws, Limits, MovingPlant, TrackingController, TrackingOpti
 from control.loop import Controller
 from control.tracking import PidController, circle, eight
 from control.tracking.plan import Plan, planned
-from rom import GuidedFinger, TouchedSegment
+from rom import MovingFinger, TouchedSegment
 from studies.parts import Run
 
 PERIOD, STEPS = 2e-3, 4  # [s]; of time in a period: twice as many as in the controller's simulation
 CENTRE, RADIUS = np.zeros(2), 0.010  # of the paths [m]
 RATES, LAPS = (1.0, 2.0, 4.0), 1.5  # [Hz]; the first is not counted
-DISTANCE, FORCE = 0.007, 0.1  # of the plane [m]; largest contact force [N]
+DISTANCE = 0.007  # of the plane [m]
+FORCE, MARGIN = 0.4, 5e-4  # options most_force [N] and margin [m], and a smaller force:
+LOW_FORCE, LOW_MARGIN = 0.1, 1e-4
 FRICTION = 0.2  # coefficient of the tendons in their guides [-]
 LATE, NOISE = 2, 2e-5  # periods; of the tip's readings [m]
 RELAXING = [[0.1, 0.005], [0.1, 0.1]]  # branches of the rubber: moduli over the law's own [-], and times [s]
@@ -34,45 +38,60 @@ class Case:
         name: for the table.
         shape: of the path.
         distance: of the plane [m].
+        force, margin: options most_force [N] and margin [m].
         delay: of readings, in periods.
         noise: of the tip's readings [m].
         modulus: over the model's [-].
         density: likewise of the rubber [-].
         friction: of the tendons in their guides [-].
         compensated: the same in the controller's options [-].
+        relaxes: whether the rubber relaxes; a finger with friction does not.
     """
 
     name: str
     shape: Callable[..., np.ndarray] = circle
     distance: float = np.inf
+    force: float = FORCE
+    margin: float = MARGIN
     delay: int = 0
     noise: float = 0.0
     modulus: float = 1.0
     density: float = 1.0
     friction: float = 0.0
     compensated: float = 0.0
+    relaxes: bool = True
 
 
+BEFORE, STIFFER, SOFTER = "circle, before a plane", "stiffer and lighter, noise", "softer and heavier, noise"
+LATER = Case(name="circle, free, readings 4 ms late", delay=LATE)
+PLANE = Case(name=f"{BEFORE}, readings 4 ms late", distance=DISTANCE, delay=LATE)
+NOISY = replace(LATER, noise=NOISE, modulus=1.1, density=0.9)
+ELASTIC = replace(LATER, relaxes=False)
 CASES = (
     Case(name="circle, free"),
-    Case(name="circle, free, readings 4 ms late", delay=LATE),
-    Case(name="figure of eight, 4 ms late", shape=eight, delay=LATE),
-    Case(name="circle, before a plane", distance=DISTANCE),
-    Case(name="circle, before a plane, readings 4 ms late", distance=DISTANCE, delay=LATE),
-    Case(
-        name="circle, before a plane, 10 % stiffer and lighter, noise, 4 ms late",
-        distance=DISTANCE,
-        delay=LATE,
-        noise=NOISE,
-        modulus=1.1,
-        density=0.9,
+    LATER,
+    replace(LATER, name="figure of eight, 4 ms late", shape=eight),
+    replace(PLANE, name=BEFORE, delay=0),
+    PLANE,
+    replace(PLANE, name=f"{BEFORE}, 5 % {STIFFER}, 4 ms late", noise=NOISE, modulus=1.05, density=0.95),
+    replace(PLANE, name=f"{BEFORE}, 10 % {STIFFER}, 4 ms late", noise=NOISE, modulus=1.1, density=0.9),
+    replace(PLANE, name=f"{BEFORE}, 10 % {SOFTER}, 4 ms late", noise=NOISE, modulus=0.9, density=1.1),
+    replace(PLANE, name=f"{BEFORE}, at most {LOW_FORCE:g} N, 4 ms late", force=LOW_FORCE, margin=LOW_MARGIN),
+    replace(NOISY, name=f"circle, 10 % {STIFFER}, 4 ms late"),
+    replace(NOISY, name=f"circle, 10 % {SOFTER}, 4 ms late", modulus=0.9, density=1.1),
+    replace(ELASTIC, name="circle, elastic, 4 ms late"),
+    replace(ELASTIC, name="circle, elastic, friction of 0.2, 4 ms late, not compensated", friction=FRICTION),
+    replace(
+        ELASTIC,
+        name="circle, elastic, friction of 0.2, 4 ms late, compensated",
+        friction=FRICTION,
+        compensated=FRICTION,
     ),
-    Case(name="circle, 10 % stiffer and lighter, noise, 4 ms late", delay=LATE, noise=NOISE, modulus=1.1, density=0.9),
-    Case(name="circle, 10 % softer and heavier, noise, 4 ms late", delay=LATE, noise=NOISE, modulus=0.9, density=1.1),
-    Case(name="circle, friction of 0.2, 4 ms late, not compensated", delay=LATE, friction=FRICTION),
-    Case(name="circle, friction of 0.2, 4 ms late, compensated", delay=LATE, friction=FRICTION, compensated=FRICTION),
-    Case(
-        name="circle, friction of 0.2, 4 ms late, compensated as 0.15", delay=LATE, friction=FRICTION, compensated=0.15
+    replace(
+        ELASTIC,
+        name="circle, elastic, friction of 0.2, 4 ms late, compensated as 0.15",
+        friction=FRICTION,
+        compensated=0.15,
     ),
 )
 
@@ -92,23 +111,11 @@ class Stopping(MovingPlant):
         return felt
 
 
-class GuidedPlant(Stopping):
-    """A moving finger whose tendons rub in their guides: its tensions are the means that friction at rest leaves."""
-
-    def __init__(self, model: TouchedSegment, friction: float, tensions: np.ndarray, flaws: Flaws):
-        self._guides = GuidedFinger(model=model.rod, friction=friction)
-        begun = self._guides.advance(tensions).element_tensions.mean(axis=0)
-        super().__init__(model, np.inf, flaws=flaws, steps=STEPS, tensions=begun)
-
-    def pull(self, tensions: ArrayLike) -> float:
-        """See `control.Plant`."""
-        return super().pull(self._guides.advance(tensions).element_tensions.mean(axis=0))
-
-
-def silicone() -> TouchedSegment:
-    """The bundled round finger, whose rubber relaxes."""
+@cache
+def round_finger(relaxes: bool) -> TouchedSegment:
+    """The bundled round finger, whose rubber relaxes or is elastic."""
     model = TouchedSegment.load("round")
-    material = model.scene["material"] | {"prony": RELAXING}
+    material = model.scene["material"] | ({"prony": RELAXING} if relaxes else {})
     return replace(model, rod=model.rod.assembled(model.scene | {"material": material}))
 
 
@@ -129,11 +136,8 @@ def followed(
     model: TouchedSegment, case: Case, controller: Controller, plan: Plan, rate: float, goals: np.ndarray
 ) -> dict | None:
     """Errors [m], forces [N] and times [us] after the first lap; None if the finger left its domain."""
-    flaws, rest = Flaws(period=PERIOD, delay=case.delay, tip_noise=case.noise), plan.tensions[0]
-    if case.friction > 0:
-        plant: Stopping = GuidedPlant(model, case.friction, rest, flaws)
-    else:
-        plant = Stopping(model, case.distance, flaws=flaws, steps=STEPS, tensions=rest)
+    flaws = Flaws(period=PERIOD, delay=case.delay, tip_noise=case.noise, friction=case.friction)
+    plant = Stopping(model, case.distance, flaws=flaws, steps=STEPS, tensions=plan.tensions[0])
     found = run([controller], [plant], len(goals) - 1)
     if found.unread:
         return None
@@ -148,7 +152,12 @@ def followed(
 
 def tuned(delay: int) -> tuple[float, float, float]:
     """The PID's gains with the least error in a free circle at the middle rate."""
-    model, rate, case, options = silicone(), RATES[1], Case(name="", delay=delay), TrackingOptions(period=PERIOD)
+    model, rate, case, options = (
+        round_finger(True),
+        RATES[1],
+        Case(name="", delay=delay),
+        TrackingOptions(period=PERIOD),
+    )
     path = circle(CENTRE + model.rod.rest[1:], RADIUS, rate, PERIOD, LAPS)
     plan = planned(model, path, None, options, Limits())
 
@@ -159,31 +168,55 @@ def tuned(delay: int) -> tuple[float, float, float]:
     return min(GAINS, key=error)
 
 
+@cache
+def led(case: Case, rate: float) -> tuple[np.ndarray, TrackingController]:
+    """The path of a case and its controller; cached by what these depend on, see `planned_for`."""
+    model = round_finger(case.relaxes)
+    path = case.shape(CENTRE + model.rod.rest[1:], RADIUS, rate, PERIOD, LAPS)
+    options = TrackingOptions(
+        period=PERIOD, distance=case.distance, friction=case.compensated, most_force=case.force, margin=case.margin
+    )
+    return path, TrackingController(model, path, options)
+
+
+def planned_for(case: Case) -> Case:
+    """The case without properties that the plan does not depend on."""
+    return replace(case, name="", delay=0, noise=0.0, modulus=1.0, density=1.0, friction=0.0)
+
+
+@cache
+def without_tracking(case: Case, rate: float, gains: tuple[float, float, float]) -> dict:
+    """Errors of a PID of tensions, and of the same with the inverse of the model at rest."""
+    path, controller = led(planned_for(case), rate)
+    model, options = controller.model, replace(controller.options, distance=np.inf)
+    plan, found = planned(model, path, None, options, Limits()), {}
+    for name, pulled in (("pid", None), ("inverse", plan.tensions)):
+        pid = PidController(model, path, gains, options, pulled=pulled)
+        found[name] = followed(changed(model, case), case, pid, plan, rate, controller.plan.tips)
+    return found
+
+
 def row(case: Case, gains: tuple[float, float, float]) -> dict:
     """All controllers at every rate."""
-    model, rows = silicone(), []
-    options = TrackingOptions(period=PERIOD, distance=case.distance, friction=case.compensated, most_force=FORCE)
-    finger, free = changed(model, case), replace(options, distance=np.inf)
+    rows = []
     for rate in RATES:
-        path = case.shape(CENTRE + model.rod.rest[1:], RADIUS, rate, PERIOD, LAPS)
-        controller = TrackingController(model, path, options)
-        plan, still = controller.plan, planned(model, path, None, free, Limits())
-        pids = [PidController(model, path, gains, options, pulled=one) for one in (None, still.tensions)]
-        rows.append(
-            {
-                "rate_Hz": rate,
-                "reason": controller.reason,
-                "planned_N": float(plan.contact_forces.max()),
-                "pid": followed(finger, case, pids[0], still, rate, plan.tips),
-                "inverse": followed(finger, case, pids[1], still, rate, plan.tips),
-                "tracking": followed(finger, case, controller, plan, rate, plan.tips),
-            }
-        )
-    return {"name": case.name, "pressed": bool(case.distance < np.inf), "rates": rows}
+        controller = deepcopy(led(planned_for(case), rate)[1])
+        plan = controller.plan
+        measured = {
+            "rate_Hz": rate,
+            "reason": controller.reason,
+            "planned_N": plan.most_force,
+            "passes": bool(controller.events),
+            "tracking": followed(changed(controller.model, case), case, controller, plan, rate, plan.tips),
+        }
+        rows.append(measured | without_tracking(replace(case, name="", compensated=0.0), rate, gains))
+    return {"name": case.name, "pressed": bool(case.distance < np.inf), "most_N": case.force, "rates": rows}
 
 
 def measure(run: Run) -> dict:
     """Rows of the table, and the gains of the PID by delay."""
     gains = {str(delay): run.once(f"gains {delay}", tuned, delay) for delay in (0, LATE)}
     rows = [run.once(case.name, row, case, tuple(gains[str(case.delay)])) for case in CASES]
-    return {"gains": gains, "rows": rows, "radius_m": RADIUS, "period_s": PERIOD, "force_N": FORCE}
+    options = {"force_N": FORCE, "margin_m": MARGIN, "low_force_N": LOW_FORCE, "low_margin_m": LOW_MARGIN}
+    frequency = MovingFinger(round_finger(True), [*np.zeros(4), np.inf]).frequencies(np.zeros(4), 1)[0]
+    return {"gains": gains, "rows": rows, "frequency_Hz": float(frequency)} | options

@@ -81,6 +81,11 @@ def test_a_finger_with_mass_swings_and_an_episode_ends_where_it_leaves_its_domai
     environment.reset(seed=1, options={"distance": 0.01, "target": 1.0})
     felt = [environment.step(np.array([0.5, 0.0]))[0][2] for _ in range(60)]
     assert felt[0] == 0.0 < max(felt)
+    with pytest.raises(ValueError, match=r"flaws\.friction must be 0 except in a MovingPlant"):
+        HoldEnvironment(rom.load(), flaws=Flaws(friction=0.2))
+    rubbing = HoldEnvironment(rom.load(), flaws=Flaws(period=1e-3, friction=0.2), density=1100.0, change=1.0)
+    rubbing.reset(seed=1, options={"distance": 0.01, "target": 1.0})
+    assert max(rubbing.step(np.array([0.5, 0.0]))[0][2] for _ in range(60)) < max(felt)
     wild = HoldEnvironment(rom.load(), density=1100.0, change=100.0)
     wild.reset(seed=1, options={"distance": 0.01, "target": 1.0})
     ends = [wild.step(np.array([sign, -sign], float)) for sign in (1, -1, 1, -1)]

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from control import Flaws, GraspOptions, Gripper, Limits, SimulatedPlant
+import rom
+from control import Flaws, GraspOptions, Gripper, Limits, MovingPlant, SimulatedPlant
 from control.loop import run
 from control.plant import Dead, Slipping
 
@@ -125,6 +126,11 @@ def test_wrong_numbers_are_refused(table, gripper):
         run(gripper.grips(1.0, OPTIONS), plants_of(table)[:1], 10)
     with pytest.raises(ValueError, match="periods must be an integer of at least 1, got 0"):
         run(gripper.grips(1.0, OPTIONS), plants_of(table), 0)
+    moving = [MovingPlant(rom.load(), 0.01, 1100.0, Flaws(period=2e-3)) for _ in range(3)]
+    with pytest.raises(ValueError, match=r"plants must have the controllers' period of 0\.001 s, got 0\.002 s"):
+        run(gripper.grips(1.0, OPTIONS), moving, 10)
+    with pytest.raises(ValueError, match="path must have a row more than the 10 periods, got 10"):
+        loop(gripper, plants_of(table), 10).errors(np.zeros((10, 2)))
     with pytest.raises(ValueError, match="approach_step must be above 0, got 0"):
         GraspOptions(approach_step=0)
     with pytest.raises(ValueError, match=r"limits.rate must be above 0 N/s, got 0"):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import rom
-from control.plant import Flaws, MovingPlant
+from control.plant import Flaws, MovingPlant, SimulatedPlant
+from rom import MovingFinger
 from rom.files.checked_file import ModelError
 
 DENSITY, PLANE, PULL = 1100.0, 0.003, [20.0, 0.0]  # [kg/m^3], [m], [N]
@@ -37,3 +38,18 @@ def test_a_pull_out_of_the_domain_and_a_finger_without_density_are_refused(finge
         MovingPlant(finger, PLANE, DENSITY).pull([200.0, 0.0])
     with pytest.raises(ModelError, match="density must be given"):
         MovingPlant(finger, PLANE)
+
+
+def test_friction_of_the_tendons_is_that_of_the_moving_finger_and_refused_without_mass(finger):
+    plants = [MovingPlant(finger, PLANE, DENSITY, Flaws(friction=one)) for one in (0.0, 0.2)]
+    own = MovingFinger(finger, [0.0, 0.0, PLANE], DENSITY, friction=0.2)
+    for k in range(10):
+        pulled = [2.0 * k, 0.0]
+        for plant in plants:
+            plant.pull(pulled)
+        assert plants[1].state.tip == pytest.approx(own.step([*pulled, PLANE], 1e-3).tip, abs=1e-12)
+    assert np.linalg.norm(plants[1].state.tip - plants[0].state.tip) > 1e-5
+    with pytest.raises(ValueError, match=r"flaws\.friction must be 0 except in a MovingPlant, got 0.2"):
+        SimulatedPlant(finger, PLANE, Flaws(friction=0.2))
+    with pytest.raises(ValueError, match="friction must be finite and at least 0, got nan"):
+        Flaws(friction=np.nan)

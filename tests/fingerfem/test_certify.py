@@ -3,13 +3,16 @@
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from farm import ROOT
 
-from fingerfem.certify import Certifier, full_order_scene
+from fingerfem import load_scene
+from fingerfem.certify import Certificate, Certifier, corners_outside, full_order_scene
+from fingerfem.scene.scene import Scene
 from rom import SeparatedModel, TouchedSegment
 from rom.build import separate_grid
 from rom.dataset.snapshot_set import SnapshotSet
@@ -52,6 +55,19 @@ def test_a_finger_of_elements_is_compared_on_the_mesh_that_corrected_it():
     found, finer = full_order_scene(bundled), bundled.rod.elements.provenance["corrected_by"]
     assert found["mesh"]["cells"] == finer["cells"] == [32, 7] and found["mesh"]["order"] == finer["order"]
     assert bundled.scene["mesh"]["cells"] == [24, 6] and "load" not in found
+
+
+def test_corners_of_straight_cells_are_outside_a_circle_by_the_share_that_keeps_its_area():
+    table = tomllib.loads((ROOT / "scenes" / "round.toml").read_text())
+    mesh = table["mesh"]
+    scenes = [Scene.model_validate(table | {"mesh": mesh | {"order": order}}) for order in (1, 2)]
+    radius = scenes[0].geometry.side / 2
+    straight, curved = map(corners_outside, scenes)
+    assert curved == 0 and 0.002 * radius < straight < 0.02 * radius
+    assert corners_outside(load_scene(ROOT / "scenes" / "draft.toml")) == 0
+    compared = {"answer": None, "tip": np.zeros(3), "contact_force": None, "factorisations": 0}
+    (mark,) = Certificate(**compared, corners=straight).marks
+    assert f"{1e3 * straight:.2g} mm outside the circle" in mark and not Certificate(**compared).marks
 
 
 def test_a_longer_finger_has_as_long_cells():

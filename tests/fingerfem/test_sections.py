@@ -251,7 +251,11 @@ def test_what_a_round_finger_cannot_do_yet_is_refused_when_its_scene_is_read(cas
         (CIRCLE, [0.009, 0.0], r"tendons.0.offset must keep its channel inside the section \(at most 0.0085 m"),
         (CIRCLE, [0.002, 0.0], r"must be on the axis or at least the channel's width, 0.003 m, from it, got \[0.002"),
         (RING, [0.0, 0.0], r"must keep its channel or hole outside the bore \(at least 0.0045 m from the axis\)"),
-        (RING | {"bore": 0.0199}, [0.007, 0.0], "bore must leave a wall of at least 0.02 diameters"),
+        (
+            RING | {"bore": 0.0199},
+            [0.007, 0.0],
+            "bore must be at most 0.0192 m, to leave a wall of at least 0.02 diameters, got 0.0199",
+        ),
         ({"shape": "oval", "diameter": 0.02}, [0.007, 0.0], "shape must be 'square' or 'rectangle' or 'circle' or"),
         ({"diameter": 0.02}, [0.007, 0.0], "shape is required and missing"),
         (CIRCLE | {"bore": 0.01}, [0.007, 0.0], "bore\n  Extra inputs are not permitted"),

@@ -47,5 +47,5 @@ def sizes(measured: Measured, group: str, residuals: np.ndarray) -> np.ndarray:
     own = np.array(measured.columns) == group
     used = measured.used[:, own] & np.isfinite(measured.readings[:, own])
     values = np.abs(residuals[:, own])
-    found = np.linalg.norm(values, axis=1) if group in ("position", "orientation") else values.max(axis=1)
-    return np.where(used.any(axis=1), found, np.nan)
+    lengths = np.linalg.norm(values, axis=1) if group in ("position", "orientation") else values.max(axis=1)
+    return np.where(used.any(axis=1), lengths, np.nan)

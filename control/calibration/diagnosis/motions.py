@@ -43,14 +43,14 @@ class Undetermined:
 
 def undetermined(measured: Measured, fit: Fit) -> list[Undetermined]:
     """Every direction that the log does not determine, with its remedy."""
-    found, names = list[Undetermined](), measured.unknowns.names
+    directions, names = list[Undetermined](), measured.unknowns.names
     deviations = np.sqrt(np.diag(fit.covariance)) / measured.unknowns.spreads
     for direction in _single(fit.undetermined[0]):
         least = np.minimum(np.maximum(deviations, ROUNDING), LEAST)  # of components that move a parameter
         order = [k for k in map(int, np.argsort(-np.abs(direction))) if abs(direction[k]) > least[k]]
         components = {names[k]: float(direction[k]) for k in order}
-        found.append(Undetermined(parameters=components, remedy=_remedy(measured, fit, direction)))
-    return found
+        directions.append(Undetermined(parameters=components, remedy=_remedy(measured, fit, direction)))
+    return directions
 
 
 def _single(directions: np.ndarray) -> np.ndarray:

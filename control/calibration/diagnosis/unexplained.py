@@ -77,7 +77,7 @@ class Effect:
 def effects(measured: Measured, fit: Fit) -> list[Effect]:
     """Every effect that the log can show."""
     motor = next((name for name in MOTORS if name in measured.groups), None)
-    found = []
+    shown = []
     for name, tendon, shares in _candidates(measured, motor):
         change = np.zeros_like(fit.residuals)
         own = np.array(measured.columns) == motor
@@ -89,7 +89,7 @@ def effects(measured: Measured, fit: Fit) -> list[Effect]:
         information = against - float(moves @ fit.covariance @ moves)
         if information > 1e-6 * against > 0:
             size = -float((through * fit.residuals).sum()) / information
-            found.append(
+            shown.append(
                 Effect(
                     name=name,
                     tendon=tendon,
@@ -98,7 +98,7 @@ def effects(measured: Measured, fit: Fit) -> list[Effect]:
                     moves=fit.covariance @ moves,
                 )
             )
-    return found
+    return shown
 
 
 def _candidates(measured: Measured, motor: str | None) -> Iterator[tuple[str, str, np.ndarray]]:

@@ -1,4 +1,4 @@
-"""Springs at the closest points between the facets of stiff plates and a round obstacle.
+"""Springs at the closest points between the facets of stiff plates and an obstacle, if one of both is round.
 
 A plate of steel touches a ball at one point, which moves along the plate as the ball rolls. Springs that stand still
 would be beside it, with another normal, and Newton's method would go from one to the next. So a facet has a spring at
@@ -264,6 +264,6 @@ class Facets:
 
 def _held(bend: np.ndarray, held: np.ndarray) -> np.ndarray:
     """Second derivatives by (s, t), shape (m, 2, 2), of which some are held."""
-    found = np.where(held[:, :, None] | held[:, None], 0.0, bend)
-    found[:, [0, 1], [0, 1]] += held
-    return found
+    curvatures = np.where(held[:, :, None] | held[:, None], 0.0, bend)
+    curvatures[:, [0, 1], [0, 1]] += held
+    return curvatures

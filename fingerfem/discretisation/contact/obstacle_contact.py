@@ -77,9 +77,9 @@ class BodyContact:
 
     def moved(self) -> np.ndarray:
         """Derivative of the springs' force along the body's direction by their nodes, shape (m, n, 3) [N/m]."""
-        found = self.springs()
-        m, n = found.nodes.shape
-        return np.einsum("i,maibj->mbj", self.direction, found.stiffness.reshape(m, n, 3, n, 3))
+        springs = self.springs()
+        m, n = springs.nodes.shape
+        return np.einsum("i,maibj->mbj", self.direction, springs.stiffness.reshape(m, n, 3, n, 3))
 
 
 class ObstacleContact:
@@ -98,10 +98,10 @@ class ObstacleContact:
 
     def springs(self) -> Springs:
         """Springs of this rank that press."""
-        found = [one.springs() for one in self.bodies]
+        parts = [one.springs() for one in self.bodies]
         if self.friction is not None:
-            found.append(self.friction.springs())
-        return together(found)
+            parts.append(self.friction.springs())
+        return together(parts)
 
     def weigh(self, factor: float) -> None:
         """Make the penalty's stiffness this many times the scene's [-]; 0 takes contact away."""
@@ -142,15 +142,15 @@ class ObstacleContact:
 
     def force_gradient(self) -> PETSc.Vec:
         """dN/du [N/m], zero where held. The caller destroys the vector."""
-        found: PETSc.Vec | None = None
+        gradient: PETSc.Vec | None = None
         for one in self.bodies:
             own = self._assembly.gradient(one.forms.force_gradient, self._nodal(one.springs().nodes, one.moved()))
-            if found is None:
-                found = own
+            if gradient is None:
+                gradient = own
                 continue
-            found.axpy(1.0, own)
+            gradient.axpy(1.0, own)
             own.destroy()
-        return found
+        return gradient
 
     def penetration(self) -> float:
         """Largest penetration of plates into a round body [m]."""
@@ -168,14 +168,14 @@ class ObstacleContact:
 
     def spring_forces(self) -> np.ndarray:
         """Nodal forces of this rank's springs, before they are summed over ranks, shape (nodes, 3) [N]."""
-        found = self.springs()
-        return self._nodal(found.nodes, found.forces)
+        springs = self.springs()
+        return self._nodal(springs.nodes, springs.forces)
 
     def _scalar(self, name: str) -> float:
         return sum(self._assembly.scalar(getattr(one.forms, name)) for one in self.bodies)
 
     def _nodal(self, nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
-        found = np.zeros((len(self._fields.u.x.array) // 3, 3))
+        sums = np.zeros((len(self._fields.u.x.array) // 3, 3))
         if nodes.size:
-            np.add.at(found, nodes, values)
-        return found
+            np.add.at(sums, nodes, values)
+        return sums

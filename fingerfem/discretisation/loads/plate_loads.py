@@ -68,15 +68,15 @@ class PlateLoads:
     def poses(self, displacement: np.ndarray) -> list[Pose]:
         """The plates' poses at a displacement of this rank's nodes, shape (3 nodes,) [m], from clamp to tip."""
         moved = displacement.reshape(-1, 3)[: self._owned]
-        found = [plate.moments(moved) for plate in self._plates]
-        return [rigid_plate.pose(self._sum(centre), self._sum(moment)) for centre, moment in found]
+        moments = [plate.moments(moved) for plate in self._plates]
+        return [rigid_plate.pose(self._sum(centre), self._sum(moment)) for centre, moment in moments]
 
     def forces(self, poses: list[Pose], wrenches: np.ndarray) -> np.ndarray:
         """Nodal forces, shape (owned values,) [N], of wrenches in the plates' frames, shape (plates, 6) [N, N m]."""
-        found = np.zeros(3 * self._owned)
+        nodal = np.zeros(3 * self._owned)
         for plate, at, wrench in zip(self._plates, poses, wrenches, strict=True):
-            found += plate.nodal(*rigid_plate.generalised_forces(at, wrench))
-        return found
+            nodal += plate.nodal(*rigid_plate.generalised_forces(at, wrench))
+        return nodal
 
     def following(self, poses: list[Pose], wrenches: np.ndarray) -> LowRank:
         """Change of the nodal forces with the displacement [N/m]: forces that turn with their plates, rank 3 each.
@@ -93,12 +93,12 @@ class PlateLoads:
 
     def motion(self, poses: list[Pose], change: np.ndarray) -> np.ndarray:
         """Motions of the plates by owned displacements, shape (3 nodes,): R^T dc and R^T dtheta, shape (plates, 6)."""
-        found = []
+        motions = []
         for plate, at in zip(self._plates, poses, strict=True):
             centre, moment = (self._sum(part) for part in plate.change(change.reshape(-1, 3)))
             turned = [np.sum(gradient * moment) for gradient in rigid_plate.rotation_gradients(at)]
-            found.append(np.concatenate([at.rotation.T @ centre, turned]))
-        return np.array(found)
+            motions.append(np.concatenate([at.rotation.T @ centre, turned]))
+        return np.array(motions)
 
 
 class _Plate:
@@ -121,6 +121,6 @@ class _Plate:
 
     def nodal(self, force: np.ndarray, on_moment: np.ndarray) -> np.ndarray:
         """Nodal forces of what does work on c and on M, shape (values,)."""
-        found = np.zeros((self._count, 3))
-        found[self._own] = np.outer(self._mean, force) + self._arms @ on_moment.T
-        return found.ravel()
+        forces = np.zeros((self._count, 3))
+        forces[self._own] = np.outer(self._mean, force) + self._arms @ on_moment.T
+        return forces.ravel()

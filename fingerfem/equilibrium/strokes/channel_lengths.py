@@ -50,14 +50,14 @@ class ChannelLengths:
         Args:
             changes: of the displacement by p parameters, this rank's owned values, shape (p, owned values) [m].
         """
-        found = []
+        jacobians = []
         for change in changes:
             self._change.x.array[: len(change)] = change
             self._change.x.scatter_forward()
-            found.append(-self._up_to_sections(self._length_changes))
+            jacobians.append(-self._up_to_sections(self._length_changes))
         return {
             "section_shortening": self._rest - self._up_to_sections(self._lengths),
-            "section_shortening_jacobian": np.stack(found, axis=-1),
+            "section_shortening_jacobian": np.stack(jacobians, axis=-1),
         }
 
     def _up_to_sections(self, form: fem.Form) -> np.ndarray:

@@ -56,12 +56,12 @@ def with_modulus(table: dict[str, Any], constants: Callable[[float, float, dict[
             f"{low:g} to {high:g} of such estimates: python3 -m fingerfem fit-material fits a law to a test",
             stacklevel=2,
         )
-    if not (YOUNG[0] <= young <= YOUNG[1] and 0 <= nu <= MOST_POISSON):
+    if not YOUNG[0] <= young <= YOUNG[1]:
         low, high = YOUNG
-        raise ValueError(
-            f"E must be from {low:g} to {high:g} Pa and nu from 0 to {MOST_POISSON}, got {young:g} and {nu:g}"
-        )
-    found = constants(young / (2 + 2 * nu), young / (3 - 6 * nu), rest)
-    if double := found.keys() & rest.keys():
+        raise ValueError(f"E must be from {low:g} to {high:g} Pa, got {young:g}")
+    if not 0 <= nu <= MOST_POISSON:
+        raise ValueError(f"nu must be from 0 to {MOST_POISSON}, such as {RUBBER} of most rubbers, got {nu:g}")
+    moduli = constants(young / (2 + 2 * nu), young / (3 - 6 * nu), rest)
+    if double := moduli.keys() & rest.keys():
         raise ValueError(f"{min(double)} must be left out beside {names[0]}, got {rest[min(double)]}")
-    return rest | found
+    return rest | moduli

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from abc import ABC, abstractmethod
 from functools import lru_cache
 from typing import Annotated, Any, Literal
@@ -135,6 +136,16 @@ class Law(SceneTable, ABC):
             raise ValueError(
                 "law must have a Poisson's ratio of at least 0, below which coarse cells lock in shear, "
                 f"got {self.poisson:.3g}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _bends_without_locking(self) -> Law:
+        if self.poisson > NEARLY_INCOMPRESSIBLE and not self.is_mixed:
+            warnings.warn(
+                f"material.formulation = displacement makes cells too stiff at nu = {self.poisson:.6g}, of order 1 "
+                "several times: leave it out",
+                stacklevel=2,
             )
         return self
 

@@ -34,8 +34,8 @@ def weights(fraction: float) -> np.ndarray:
     b = np.geomspace(STRETCHES[0] ** 2, STRETCHES[1] ** 2, NODES)
     terms = np.column_stack([np.ones(NODES), b, POLES / (b[:, None] + POLES)]) / (b**fraction)[:, None]
     scale = np.linalg.norm(terms, axis=0)
-    found = np.linalg.lstsq(terms / scale, np.ones(NODES), rcond=1e-15)[0] / scale
-    return np.concatenate([found[:2], found[2:] * POLES])
+    solution = np.linalg.lstsq(terms / scale, np.ones(NODES), rcond=1e-15)[0] / scale
+    return np.concatenate([solution[:2], solution[2:] * POLES])
 
 
 def power_sum(power: float, I1: Any, I2: Any, maths: Maths) -> Any:

@@ -112,6 +112,6 @@ def loss(law: Law, mode: str, stretches: tuple[float, float]) -> float | None:
 
 def first_loss(law: Law, stretches: tuple[float, float]) -> tuple[str, float] | None:
     """Mode and stretch of the first loss of stability between two principal stretches; None if the law is stable."""
-    found = {mode: loss(law, mode, stretches) for mode in MODES}
-    lost = {mode: stretch for mode, stretch in found.items() if stretch is not None}
+    losses = {mode: loss(law, mode, stretches) for mode in MODES}
+    lost = {mode: stretch for mode, stretch in losses.items() if stretch is not None}
     return min(lost.items(), key=lambda one: abs(np.log(one[1])), default=None)

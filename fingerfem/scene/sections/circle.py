@@ -29,6 +29,11 @@ class Round(Section):
         return 0.0
 
     @property
+    def is_round(self) -> bool:
+        """True: the border consists of circles."""
+        return True
+
+    @property
     def extents(self) -> tuple[float, float]:
         """Height along y and width along z [m]."""
         return self.diameter, self.diameter
@@ -100,6 +105,6 @@ class Ring(Round):
         most = self.diameter * (1 - 2 * THINNEST)
         if self.bore > most:
             raise ValueError(
-                f"bore must leave a wall of at least {THINNEST} diameters, be at most {most:g}, got {self.bore}"
+                f"bore must be at most {most:g} m, to leave a wall of at least {THINNEST} diameters, got {self.bore}"
             )
         return self

@@ -63,9 +63,9 @@ class FromFile(Section):
             angles = 2 * np.pi * np.arange(MOST_VERTICES) / MOST_VERTICES
             hull = hull[np.unique((hull @ [np.cos(angles), np.sin(angles)]).argmax(axis=0))]
         squares = (self._plain.second_moments[:2] / self.area).tolist()
-        found = {"area": self.area, "mean_squares": squares, "hull": hull.tolist()}
+        measures = {"area": self.area, "mean_squares": squares, "hull": hull.tolist()}
         groups = {name.removeprefix(INLAY): own for name, own in self._read.groups.items() if name.startswith(INLAY)}
-        return found | ({"materials": {name: self._measured(own) for name, own in groups.items()}} if groups else {})
+        return measures | ({"materials": {name: self._measured(own) for name, own in groups.items()}} if groups else {})
 
     def _measured(self, quads: np.ndarray) -> dict[str, Any]:
         """Area [m^2], centroid [m] and means of y^2 and z^2 [m^2] of a group of quadrilaterals."""

@@ -48,15 +48,15 @@ def read_gmsh(path: Path) -> FileMesh:
 
 def _elements(path: Path) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     """Nodes, shape (nodes, 3) [m]; quadrilaterals with corners around them, shape (quads, 4); groups."""
-    found = _read(path)
-    kinds = [block.type for block in found.cells]
+    mesh = _read(path)
+    kinds = [block.type for block in mesh.cells]
     for kind in sorted(set(kinds) - {"quad", *LINES}):
-        count = sum(len(block.data) for block in found.cells if block.type == kind)
+        count = sum(len(block.data) for block in mesh.cells if block.type == kind)
         raise ValueError(
             f"must have quadrilaterals of four nodes alone (in Gmsh: Recombine Surface, order 1), got {count} of {kind}"
         )
-    physical = found.cell_data.get("gmsh:physical", [])
-    names = {(int(dimension), int(tag)): name for name, (tag, dimension) in found.field_data.items()}
+    physical = mesh.cell_data.get("gmsh:physical", [])
+    names = {(int(dimension), int(tag)): name for name, (tag, dimension) in mesh.field_data.items()}
     lines = sorted(name for (dimension, _), name in names.items() if dimension != 2)
     if lines:
         raise ValueError(f"must have physical groups of surfaces alone, got {lines[0]!r} of points or lines")
@@ -65,7 +65,7 @@ def _elements(path: Path) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]
     of_quads = [k for k, kind in enumerate(kinds) if kind == "quad"]
     if not of_quads:
         raise ValueError("must have quadrilaterals in physical groups, got none")
-    quads = np.concatenate([found.cells[k].data for k in of_quads])
+    quads = np.concatenate([mesh.cells[k].data for k in of_quads])
     tags = np.concatenate([np.asarray(physical[k]) for k in of_quads])
     groups = {name: np.flatnonzero(tags == tag) for (_, tag), name in names.items()}
     nameless = sorted(set(tags.tolist()) - {tag for _, tag in names})
@@ -80,7 +80,7 @@ def _elements(path: Path) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]
             f"must have every element once, in one group, got one of {_group_of(groups, twice)!r} {times.max()} times, "
             f"nodes {(quads[twice] + 1).tolist()}"
         )
-    return np.asarray(found.points, float), quads, groups
+    return np.asarray(mesh.points, float), quads, groups
 
 
 def _read(path: Path) -> Any:

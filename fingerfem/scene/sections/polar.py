@@ -175,9 +175,9 @@ def _radii(limits: list[Limits], ends: tuple[float, float], away: float, step: f
             groups[-1].append(value)
         else:
             groups.append([value])
-    found = sorted([*kept, *((group[0] + group[-1]) / 2 for group in groups)])
-    gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False) for a, b in pairwise(found)]
-    return np.append(np.concatenate(gaps) if gaps else np.zeros(0), found[-1])
+    circles = sorted([*kept, *((group[0] + group[-1]) / 2 for group in groups)])
+    gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False) for a, b in pairwise(circles)]
+    return np.append(np.concatenate(gaps) if gaps else np.zeros(0), circles[-1])
 
 
 def _swept(core: Core, layers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -106,8 +106,8 @@ class Rectangular(Section):
         if 1 in axes and wanted.pad is not None:
             edges.append(wanted.pad / 2)
         equal = EQUAL * self.extent
-        found = merged([0.0, self.extents[axes[0]] / 2], sorted(edges), equal)
-        return found if min(edges) <= equal else found[1:]
+        lines = merged([0.0, self.extents[axes[0]] / 2], sorted(edges), equal)
+        return lines if min(edges) <= equal else lines[1:]
 
 
 class Square(Rectangular):

@@ -143,6 +143,11 @@ class Section(SceneTable):
         return False
 
     @property
+    def is_round(self) -> bool:
+        """True if the border consists of circles, which cells of order 2 follow."""
+        return False
+
+    @property
     def has_face(self) -> bool:
         """True if the section is flat at its top, so that a pad may lie there."""
         return False

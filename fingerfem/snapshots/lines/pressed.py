@@ -61,5 +61,5 @@ def _begin(setting: Setting, roots: list[str]) -> None:
 
 def _wrenches(setting: Setting, line: Line) -> np.ndarray:
     """Wrenches of a line's pressed states, shape (states, plates, 6) [N, N m]."""
-    found = np.array(setting.description.wrenches[line.index[0]])
-    return found.reshape(len(found), -1, 6)
+    wrenches = np.array(setting.description.wrenches[line.index[0]])
+    return wrenches.reshape(len(wrenches), -1, 6)

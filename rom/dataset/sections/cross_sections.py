@@ -74,22 +74,22 @@ class CrossSections:
 
     def _mean(self, fields: np.ndarray) -> np.ndarray:
         """Mean of vectors at the nodes of a section, shapes (..., nodes of one, 3) and (..., 3)."""
-        found = np.asarray(self._weights @ fields)
+        mean = np.asarray(self._weights @ fields)
         if self._is_half:
-            found[..., 2] = 0
-        return found
+            mean[..., 2] = 0
+        return mean
 
     def _corners(self, fields: np.ndarray) -> np.ndarray:
         """Vectors at the corners of a section, shapes (..., nodes of one, 3) and (..., 4, 3)."""
-        found = np.asarray(self._fit[0] @ fields)
-        return found + self._fit[1] @ fields * [1, 1, -1] if self._is_half else found
+        corners = np.asarray(self._fit[0] @ fields)
+        return corners + self._fit[1] @ fields * [1, 1, -1] if self._is_half else corners
 
     def _moment(self, fields: np.ndarray) -> np.ndarray:
         """Sum of w u (X - X_c)^T over the nodes of a section, shapes (..., nodes of one, 3) and (..., 3, 3)."""
-        found = np.swapaxes(fields, -1, -2) @ self._weighted_arms
+        moment = np.swapaxes(fields, -1, -2) @ self._weighted_arms
         if self._is_half:
-            found[..., 2, :2] = found[..., :2, 2] = 0
-        return found
+            moment[..., 2, :2] = moment[..., :2, 2] = 0
+        return moment
 
     def quantities(self, displacement: np.ndarray, changes: np.ndarray) -> dict[str, np.ndarray]:
         """The sections' positions, rotations and corners, and their derivatives, as `schema` names and describes them.

@@ -95,12 +95,12 @@ def _integrals(nodes: np.ndarray, order: int) -> np.ndarray:
     Exact: shape functions times the Jacobian determinant are of degree 5 at most along s and t.
     """
     along, slopes = _lagrange(POINTS, order), _lagrange_slopes(POINTS, order)
-    found = np.zeros(nodes.shape[:2])
+    integrals = np.zeros(nodes.shape[:2])
     for i, j in np.ndindex(len(POINTS), len(POINTS)):  # t, then s
         by_s, by_t = (np.outer(*pair).ravel() @ nodes for pair in ((along[i], slopes[j]), (slopes[i], along[j])))
         area = by_s[:, 0] * by_t[:, 1] - by_s[:, 1] * by_t[:, 0]
-        found += WEIGHTS[i] * WEIGHTS[j] * area[:, None] * np.outer(along[i], along[j]).ravel()
-    return found
+        integrals += WEIGHTS[i] * WEIGHTS[j] * area[:, None] * np.outer(along[i], along[j]).ravel()
+    return integrals
 
 
 def _outline(quads: np.ndarray, node: np.ndarray, nodes: np.ndarray, is_half: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -121,20 +121,20 @@ def _outline(quads: np.ndarray, node: np.ndarray, nodes: np.ndarray, is_half: bo
     shares = np.zeros(len(nodes))
     lengths = np.linalg.norm(nodes[sides[:, -1]] - nodes[sides[:, 0]], axis=1)
     np.add.at(shares, sides, lengths[:, None] * ([1 / 2, 1 / 2] if size == 2 else [1 / 6, 4 / 6, 1 / 6]))
-    found = np.flatnonzero(shares)
-    return found, shares[found]
+    nodes_of_outline = np.flatnonzero(shares)
+    return nodes_of_outline, shares[nodes_of_outline]
 
 
 def _corners(scaled: np.ndarray, outline: np.ndarray, shares: np.ndarray, images: np.ndarray) -> np.ndarray:
     """Weights that give corners from the outline's nodes and their images, at y' and z', shape (nodes, 2)."""
-    found = np.zeros((2, len(CORNERS), len(scaled)))
+    weights = np.zeros((2, len(CORNERS), len(scaled)))
     away, nearest = map(np.array, zip(*(cKDTree(scaled * image).query(CORNERS) for image in images), strict=True))
     if away.min(axis=0).max() < SHARE:
         which, corner = away.argmin(axis=0), np.arange(len(CORNERS))
-        found[which, corner, nearest[which, corner]] = 1.0
-        return found
+        weights[which, corner, nearest[which, corner]] = 1.0
+        return weights
     shape = np.concatenate([np.prod(1 + CORNERS * (scaled[outline] * one)[:, None], axis=2) / 4 for one in images])
     weighted = shape * np.tile(shares, len(images))[:, None]
     fitted = np.linalg.solve(weighted.T @ shape, weighted.T)
-    found[: len(images), :, outline] = fitted.reshape(len(CORNERS), len(images), -1).transpose(1, 0, 2)
-    return found
+    weights[: len(images), :, outline] = fitted.reshape(len(CORNERS), len(images), -1).transpose(1, 0, 2)
+    return weights

@@ -185,15 +185,15 @@ def _hull(points: np.ndarray) -> np.ndarray:
     """Vertices of the convex hull, counterclockwise, without those on straight sides (Andrew's monotone chain)."""
     ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
     size = float(np.abs(points).max(initial=0.0))
-    found: list[np.ndarray] = []
+    vertices: list[np.ndarray] = []
     for line in (ordered, ordered[::-1]):
-        first = len(found)
+        first = len(vertices)
         for point in line:
-            while len(found) >= first + 2 and not _turns_left(found[-2], found[-1], point, size):
-                found.pop()
-            found.append(point)
-        found.pop()
-    return np.array(found)
+            while len(vertices) >= first + 2 and not _turns_left(vertices[-2], vertices[-1], point, size):
+                vertices.pop()
+            vertices.append(point)
+        vertices.pop()
+    return np.array(vertices)
 
 
 def _turns_left(one: np.ndarray, two: np.ndarray, three: np.ndarray, size: float) -> bool:

@@ -50,11 +50,11 @@ def error_factors(trainings: Sequence[tuple[Training, dict[str, float]]], floors
         floors: of estimated errors.
     """
     parts = [compared(*each, floors) for each in trainings]
-    least, found = 1.0 if len(trainings) > 1 else 0.0, {}
+    least, factors = 1.0 if len(trainings) > 1 else 0.0, {}
     for name in QUANTITIES:
         errors, deviations = (np.concatenate([part[k][name] for part in parts]) for k in (0, 1))
-        found[name] = covering(errors, deviations)
-    return {name: max(factor, least) for name, factor in found.items() if factor > 0}
+        factors[name] = covering(errors, deviations)
+    return {name: max(factor, least) for name, factor in factors.items() if factor > 0}
 
 
 def compared(

@@ -63,12 +63,12 @@ class Candidates:
 
     def law(self, degree: float, without: int | None = None) -> ElementLaw:
         """The law of a weighted degree, without a fold of lines."""
-        found = self._law(self.equations.fit(self._positions(degree), _left_out(without)))
+        law_of_set = self._law(self.equations.fit(self._positions(degree), _left_out(without)))
         if self.corrected is None:
-            return found
+            return law_of_set
         own, own_degree = self.corrected
         base = own.law(own_degree)  # whole: the lines that correct it are not those that it was fitted to
-        return replace(base, polynomial=base.polynomial.plus(found.polynomial))
+        return replace(base, polynomial=base.polynomial.plus(law_of_set.polynomial))
 
     def with_variants(self, degree: float) -> ElementLaw:
         """The law of a weighted degree, and by how much those without a group of lines deviate from it.

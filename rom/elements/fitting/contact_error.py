@@ -70,7 +70,7 @@ def gap_by_force(states: SectionStates) -> np.ndarray:
     geometric = np.concatenate([turned, np.cross(points[:, None], turned)], axis=2).transpose(0, 2, 1)
     back = np.eye(6) - states.forces[:, None, None] * geometric @ compliance[:, 3:]
     usable = np.isfinite(back).all(axis=(1, 2))
-    found = np.full(len(points), np.nan)
+    slopes = np.full(len(points), np.nan)
     change = np.linalg.solve(back[usable], wrench[usable, :, None])
-    found[usable] = np.einsum("ni,nij,njk->n", wrench[usable], compliance[usable], change)
-    return found
+    slopes[usable] = np.einsum("ni,nij,njk->n", wrench[usable], compliance[usable], change)
+    return slopes

@@ -27,8 +27,8 @@ def best_degrees(score: Callable[[dict[str, float]], float], kinds: dict[str, Ca
     best = min(scores)
     degrees = shared[scores.index(best)]
     for kind, top in highest.items():
-        while degrees[kind] < top and (found := score(_changed(degrees, kind, STEP))) < BETTER * best:
-            best, degrees = found, _changed(degrees, kind, STEP)
+        while degrees[kind] < top and (error := score(_changed(degrees, kind, STEP))) < BETTER * best:
+            best, degrees = error, _changed(degrees, kind, STEP)
     for kind in highest:
         while degrees[kind] > LOWEST and score(_changed(degrees, kind, -STEP)) < best / BETTER:
             degrees = _changed(degrees, kind, -STEP)

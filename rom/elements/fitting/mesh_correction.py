@@ -69,9 +69,9 @@ class Differences(NormalEquations):
 
     def fit(self, chosen: np.ndarray, left_out: Collection[int] = ()) -> Polynomial:
         """The difference as a polynomial of the law's products, see NormalEquations."""
-        found, shares = super().fit(chosen, left_out), self.shares(left_out)
-        differences, own = np.hsplit(found.coefficients, 2)
-        rest = replace(found, coefficients=differences - shares * own)
+        polynomial, shares = super().fit(chosen, left_out), self.shares(left_out)
+        differences, own = np.hsplit(polynomial.coefficients, 2)
+        rest = replace(polynomial, coefficients=differences - shares * own)
         return replace(self._law, coefficients=shares * self._law.coefficients).plus(rest)
 
 

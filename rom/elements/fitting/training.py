@@ -15,9 +15,8 @@ import numpy as np
 
 from rom.brief import brief
 from rom.console.terminal import Progress, quiet
-from rom.dataset.geometry import is_all_along
 from rom.dataset.sections.section import extent, outline
-from rom.dataset.snapshot_set import SnapshotError
+from rom.dataset.trainable import check_lines, check_trainable
 from rom.elements.elements import Elements
 from rom.elements.fitting.calibration import error_factors, floors_of
 from rom.elements.fitting.candidates import Candidates, candidates
@@ -35,7 +34,6 @@ from rom.elements.samples.section_states import SectionStates
 from rom.error_statistics import quantiles
 
 FOLDS = 7  # largest number of groups; the lines of a group are left out together
-FEWEST = 4  # lines
 STROKES = "shortening_m", "growth_m3"
 SHARE = 0.9  # quantile of the predicted states' errors by which degrees are compared [-]
 FORCE, PLACE = (
@@ -107,14 +105,7 @@ def prepare(states: SectionStates, highest: float = HIGHEST) -> Training:
     Raises:
         SnapshotError: too few lines to leave some out, or a finger whose sections differ along the axis.
     """
-    for one in states.scene.get("materials") or []:
-        if not is_all_along(states.scene["geometry"], one.get("x")):
-            raise SnapshotError(
-                f"materials.{one['name']}.x must be left out to train elements: they have one section all along the "
-                f"axis, got {one['x']}"
-            )
-    if states.scene["geometry"].get("taper"):
-        raise SnapshotError("geometry.taper must be left out to train elements: those of a straight finger are scaled")
+    check_trainable(states.scene)
     of_line, fold = fold_of(states)
     kinds = {}
     for kind, pairs in cut(states.at, extent(states.scene)).items():
@@ -130,10 +121,9 @@ def fold_of(states: SectionStates) -> tuple[dict[int, int], np.ndarray]:
         SnapshotError: too few lines.
     """
     lines = np.unique(states.lines)
-    if len(lines) < FEWEST:
-        raise SnapshotError(f"lines with an answer must be at least {FEWEST} to train elements, got {len(lines)}")
-    found = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
-    return found, np.array([found[int(line)] for line in states.lines])
+    check_lines(len(lines))
+    folds = {int(line): k % min(FOLDS, len(lines)) for k, line in enumerate(lines)}
+    return folds, np.array([folds[int(line)] for line in states.lines])
 
 
 def train(

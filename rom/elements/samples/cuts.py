@@ -29,8 +29,8 @@ def cut(at: np.ndarray, side: float) -> dict[str, list[Pair]]:
         return {WHOLE: [(0, plate)]}
     first, last = int(clamp_ends[0]), int(plate_begins[-1])
     interior = _some([(i, j) for i, j in _all(at, first, last, longest) if i < j])
-    found = {CLAMP: [(0, first)], PLATE: [(last, plate)]}
-    return found | ({INTERIOR: interior} if interior else {})
+    ends = {CLAMP: [(0, first)], PLATE: [(last, plate)]}
+    return ends | ({INTERIOR: interior} if interior else {})
 
 
 def _all(at: np.ndarray, first: int, last: int, longest: float) -> list[Pair]:
@@ -43,14 +43,14 @@ def outline_pairs(at: np.ndarray, side: float) -> dict[str, list[Pair]]:
     """Cross-sections of elements by kind, each with the body that it is seen from; arguments of `cut`."""
     cuts, plate = cut(at, side), len(at)
     first, last = (cuts[CLAMP][0][1], cuts[PLATE][0][0]) if CLAMP in cuts else (0, 0)
-    found = {
+    pairs = {
         CLAMP: [(k, first) for k in range(first + 1)],
         PLATE: [(k, plate) for k in range(last, plate)],
         WHOLE: [(k, plate) for k in range(plate)],
     }
     if INTERIOR in cuts:
-        found[INTERIOR] = sorted(_all(at, first, last, LONGEST * side), key=lambda pair: (pair[1] - pair[0], pair))
-    return {kind: found[kind] for kind in cuts}
+        pairs[INTERIOR] = sorted(_all(at, first, last, LONGEST * side), key=lambda pair: (pair[1] - pair[0], pair))
+    return {kind: pairs[kind] for kind in cuts}
 
 
 def _some(pairs: list[Pair]) -> list[Pair]:

@@ -190,19 +190,19 @@ def _between(own: np.ndarray, at: np.ndarray) -> np.ndarray:
     near = min(NEAREST, len(own))
     first = np.clip(np.searchsorted(own, at) - near // 2, 0, len(own) - near)
     rows = first[:, None] + np.arange(near)
-    found = np.zeros((len(at), len(own)))
+    weights = np.zeros((len(at), len(own)))
     for k in range(near):
         others = np.delete(own[rows], k, axis=1)
         shares = np.prod((at[:, None] - others) / (own[rows[:, k]][:, None] - others), axis=1)
-        found[np.arange(len(at)), rows[:, k]] = shares
-    return found
+        weights[np.arange(len(at)), rows[:, k]] = shares
+    return weights
 
 
 def _unit(quaternions: np.ndarray, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Quaternions of unit length, shape (..., 4), and their derivatives, shape (..., 4, p)."""
     size = np.linalg.norm(quaternions, axis=-1, keepdims=True)
-    found, changed = quaternions / size, changes / size[..., None]
-    return found, changed - found[..., None] * np.sum(found[..., None] * changed, axis=-2, keepdims=True)
+    units, changed = quaternions / size, changes / size[..., None]
+    return units, changed - units[..., None] * np.sum(units[..., None] * changed, axis=-2, keepdims=True)
 
 
 def _in_space(

@@ -66,15 +66,17 @@ def mirrors(scene: Mapping[str, Any], nodes: np.ndarray | None = None) -> list[M
     if any(one["region"] == "group" for one in blocks):
         return []
     maps = [S for S in maps if _exchanges(S, blocks, [one["material"] for one in blocks])[1]]
-    return [found for S in maps if (found := _of_section(S, scene["tendons"], scene.get("chambers") or [])) is not None]
+    return [
+        mirror for S in maps if (mirror := _of_section(S, scene["tendons"], scene.get("chambers") or [])) is not None
+    ]
 
 
 def _exchanges(S: np.ndarray, blocks: list[dict[str, Any]], kinds: Sequence[Any]) -> tuple[np.ndarray, bool]:
     """Images of rectangles, as rows, and a flag: each becomes one of its kind and size."""
-    found = _exchange(S, [one["centre"] for one in blocks], kinds)
+    exchange = _exchange(S, [one["centre"] for one in blocks], kinds)
     sizes = np.array([one["size"] for one in blocks]).reshape(-1, 2)
-    one_each = bool((found.sum(axis=0) == 1).all())
-    return found, one_each and np.allclose(found.T @ sizes, sizes @ np.abs(S), rtol=SHARE, atol=0)
+    one_each = bool((exchange.sum(axis=0) == 1).all())
+    return exchange, one_each and np.allclose(exchange.T @ sizes, sizes @ np.abs(S), rtol=SHARE, atol=0)
 
 
 def _of_section(S: np.ndarray, tendons: list[dict[str, Any]], chambers: list[dict[str, Any]]) -> Mirror | None:

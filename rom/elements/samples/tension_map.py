@@ -50,8 +50,8 @@ def tension_map(offsets: np.ndarray) -> TensionMap:
         for b in range(order // 2 + 1):
             a = order - b
             moments = np.array([y**a * z**b, y**b * z**a])
-            found = _orthonormal(moments - moments @ rows.T @ rows)
-            rows, orders = np.concatenate([rows, found]), orders + [order] * len(found)
+            new = _orthonormal(moments - moments @ rows.T @ rows)
+            rows, orders = np.concatenate([rows, new]), orders + [order] * len(new)
     if len(rows) < count:
         raise ValueError(f"tendons.offset must differ from tendon to tendon, got {np.asarray(offsets).tolist()}")
     if max(orders) <= RESULTANTS:
@@ -64,9 +64,9 @@ def of_scene(scene: dict[str, Any]) -> TensionMap:
 
     A pressure's resultants are not all that a short element feels of it: it also widens its chamber.
     """
-    found, pressures = tension_map(np.array([tendon["offset"] for tendon in scene["tendons"]])), pressures_of(scene)
-    matrix = block_diag(found.matrix, np.eye(pressures)) if pressures else found.matrix
-    return TensionMap(matrix, np.append(found.orders, np.zeros(pressures, int)))
+    tendons, pressures = tension_map(np.array([tendon["offset"] for tendon in scene["tendons"]])), pressures_of(scene)
+    matrix = block_diag(tendons.matrix, np.eye(pressures)) if pressures else tendons.matrix
+    return TensionMap(matrix, np.append(tendons.orders, np.zeros(pressures, int)))
 
 
 def _orthonormal(moments: np.ndarray) -> np.ndarray:

@@ -99,14 +99,14 @@ def sources_of(model: SeparatedModel | TouchedSegment, interface: Interface, ver
 
 def with_included(units: Sequence[Path]) -> list[Path]:
     """C files and all that they include."""
-    found, left = set[Path](), list(units)
+    files, left = set[Path](), list(units)
     while left:
         file = left.pop()
-        if file not in found:
-            found.add(file)
+        if file not in files:
+            files.add(file)
             names = re.findall(r'^#include "(.*)"', file.read_text(encoding="utf-8"), re.MULTILINE)
             left += [(file.parent / name).resolve() for name in names]
-    return sorted(found)
+    return sorted(files)
 
 
 def numbers(model: SeparatedModel | TouchedSegment, interface: Interface) -> str:
@@ -145,10 +145,10 @@ def model_struct(model: SeparatedModel | TouchedSegment) -> Any:
 
 def token_of(sources: FmuSources) -> str:
     """Identifies this FMU: 32 digits of the hash of all that it is made from, as a GUID."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for file, contents in sorted(sources.files.items()):
-        found.update(file.encode() + contents)
-    digits = found.hexdigest()
+        digest.update(file.encode() + contents)
+    digits = digest.hexdigest()
     return f"{{{digits[:8]}-{digits[8:12]}-{digits[12:16]}-{digits[16:20]}-{digits[20:32]}}}"
 
 

@@ -148,7 +148,7 @@ def _logging(root: Element) -> None:
 def _common(one: Variable) -> dict[str, str]:
     """Attributes of a variable that both versions of FMI name alike."""
     variability = {"parameter": "fixed"}.get(one.causality, "discrete" if one.discrete else "continuous")
-    found = {
+    attributes = {
         "name": one.name,
         "valueReference": str(one.reference),
         "causality": one.causality,
@@ -156,7 +156,7 @@ def _common(one: Variable) -> dict[str, str]:
         "description": one.description,
     }
     initial = {"output": "calculated", "parameter": "exact"}.get(one.causality)
-    return found | ({"initial": initial} if initial else {})
+    return attributes | ({"initial": initial} if initial else {})
 
 
 def _own(one: Variable) -> dict[str, str]:
@@ -164,8 +164,8 @@ def _own(one: Variable) -> dict[str, str]:
     if one.kind == "Enumeration":
         return {"declaredType": STATUS_TYPE}
     numbers = {"min": one.lower, "max": one.upper, "start": one.start}
-    found = {name: repr(float(value)) for name, value in numbers.items() if value is not None}
-    return ({"unit": one.unit} if one.unit else {}) | found
+    attributes = {name: repr(float(value)) for name, value in numbers.items() if value is not None}
+    return ({"unit": one.unit} if one.unit else {}) | attributes
 
 
 def _dependencies(interface: Interface, names: dict[str, str], initial: bool = False) -> dict[str, str]:

@@ -128,8 +128,8 @@ def _reported(model: TouchedSegment) -> list[Variable]:
         ("orientation_error", "rad", "estimated error of the orientation, an angle"),
         ("shortening_error", "m", "estimated error of every shortening"),
     ]
-    found = [output_of(*row, REPORT + k) for k, row in enumerate(rows)]
-    return found + [
+    outputs = [output_of(*row, REPORT + k) for k, row in enumerate(rows)]
+    return outputs + [
         output_of(name, unit, f"{text}; {UNKNOWN}", REPORT_ERRORS + k, discrete=True)
         for k, (name, unit, text) in enumerate(errors)
     ]

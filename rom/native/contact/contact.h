@@ -5,23 +5,23 @@
 #include "../rod/chain.h"
 #include "../shapes/objects.h"
 
-/* A slice of rubber between two cross-sections next to each other: its corners, first those of the section nearer to the
- * clamp, with -y -z, y -z, -y z and y z in turns, in space; how far the middles of its faces across y and across z are off,
+/* A slice of rubber between two cross-sections next to each other: the coefficients of its points in space, trilinear by their coordinates, of
+ * which number k has the bits; how far the middles of its faces across y and across z are off,
  * by section, where a beam is bent; an orthogonal frame; and the sections where its element begins and ends, with the bodies that bear what presses
  * on it. */
-enum { SLICE_ENDS = 2, SLICE_INPUTS = SLICE_ENDS * W, SLICE_CORNERS = 8 };
+enum { SLICE_ENDS = 2, SLICE_INPUTS = SLICE_ENDS * W, SLICE_TERMS = 8 };
 typedef struct {
     int number, segment, element, bodies[SLICE_ENDS];
     double dome;                  /* curvature along it besides its own, over its thickness [-] */
     double share;                 /* of the middle, from the element's end, 0, to its begin, 1 */
     double length;                /* of the element at rest [m] */
-    double modulus;               /* of its material over that of the segment's rubber [-] */
+    double modulus, root;         /* of its material over that of the segment's rubber, and its square root [-] */
     double slender;               /* 12 E I / (k G A length^2): how much its shear yields beside its bending [-] */
     double bulging;               /* Poisson's ratio over the length of the element [1/m] */
-    double stiffness[2];          /* E I for bending towards y and z [N m^2] */
+    double flexibility[2];        /* length^3 / (E I) for bending towards y and z [m/N] */
     const fingerfem_segment *of;  /* the segment */
     double ends[SLICE_ENDS][3];   /* centres of the sections: its begin, then its end [m] */
-    double corners[SLICE_CORNERS][3], bulges[2][2]; /* [m] */
+    double shape[SLICE_TERMS][3], bulges[2][2]; /* [m] */
     double raised;                /* of the ridges far from plates and the clamp: what they have here [-] */
     double ridges[2][2];          /* how much farther out the middles of its faces are, across y and across z, each on both sides [m] */
     double centre[3], rotation[9], thickness;
@@ -47,7 +47,7 @@ typedef struct {
     contact_acting acting[FINGERFEM_MOST_CONTACTS];
     double d;                             /* of the objects, see contact_distance [m] */
     int slices;
-    rubber_slice slice[FINGERFEM_MOST_CONTACTS];
+    rubber_slice slice[FINGERFEM_MOST_CONTACTS + 1]; /* one whose contacts find no room */
 } placed;
 
 /* A state of the solve: where the bodies are, the wrenches on all of them and the forces at their contacts; G; and the
@@ -115,12 +115,18 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
 /* Whether objects at d are in the rubber, of bodies that were placed without it. */
 int placed_in_rubber(const contact_problem *problem, double d, placed *at);
 
+/* Add the contacts of object j at d with one plate: a prism about an outline, or a box, corrected for its bending by tensions. */
+void placed_plate(const contact_problem *problem, int j, double d, int plate, placed *at);
+
 /* Slices of rubber with gaps below `near` [m] before object j at its own d, and their contacts besides others; free, or under the
  * wrenches that the bodies were placed under last. Slices are domed along the finger by so much over their thickness [-]. */
 void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double near, placed *at);
 
 /* The slice of a contact; NULL if it is a plate's. */
 const rubber_slice *placed_slice_of(const placed *at, int contact);
+
+/* The point of contact k in space, (3) [m], and the normal there, out of the object. */
+void placed_point(const placed *at, int k, double *place, double *normal);
 
 /* How the wrenches of a unit force at contact k of a slice change, each in its body's frame, as both ends move: (2, 6), (2, 6). The
  * force, (3), is along the normal, or, unless it is NULL, along another direction in space that turns with it. */

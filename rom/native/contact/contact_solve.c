@@ -34,17 +34,6 @@
 #define TURNS 1e-5      /* likewise after PATIENT steps, where contacts of one edge press in turns [-] */
 #define SMALL 3e-4      /* below this, of which contact that slows the convergence leaves some 1e-3 [-] */
 
-/* Forces of the last pose's contacts for those of this pose, matched by name, plate and object; 0 for new contacts. */
-static void carry(const objects_contacts *before, const double *forces, const objects_contacts *now, double *found)
-{
-    for (int k = 0; k < now->count; k++) {
-        found[k] = 0.0;
-        for (int j = 0; j < before->count; j++)
-            if (before->names[j] == now->names[k] && before->plates[j] == now->plates[k] && before->objects[j] == now->objects[k])
-                found[k] = forces[j];
-    }
-}
-
 static int any(int count, const double *values)
 {
     int found = 0;
@@ -72,7 +61,6 @@ static double step(const contact_problem *problem, double most, contact_state *s
     /* a wrench was given, but no forces: find G by the forces just found, and solve again */
     if (any(w, state->wrench) && any(contacts->count, forces) && !any(contacts->count, state->forces)) {
         memcpy(state->forces, forces, sizeof forces);
-        response_indent(problem, state);
         if (!response_find(problem, state) || !response_balance(problem, state, forces)) return -1.0;
     }
     /* dw = S (W f - (w - I)) */
@@ -119,17 +107,15 @@ static int converged(const contact_problem *problem, const contact_state *state,
  * already, and rubber takes part once an object lies in it at the plates' solution. */
 int contact_solve_from(const contact_problem *problem, double d, contact_state *state)
 {
-    objects_contacts before = state->at.contacts;
     int rubber = problem->step ? acting_on_rubber(problem->step->pressed) : problem->map->count > problem->touching->chain->plates;
     double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
         /* bodies and contacts under the present wrenches, with the last forces as a start */
-        double forces[FINGERFEM_MOST_CONTACTS];
-        memcpy(forces, state->forces, sizeof forces);
+        fingerfem_pressed before;
+        acting_leave(state, &before);
         if (!placed_under(problem, d, rubber, state)) return -k;
-        carry(&before, forces, &state->at.contacts, state->forces);
+        for (int c = 0; c < state->at.contacts.count; c++) state->forces[c] = acting_pressed(&before, &state->at.contacts, c);
         if (problem->step) acting_over_step(problem, k == 1, state);
-        response_indent(problem, state);
         const double size = step(problem, share, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */
@@ -140,7 +126,6 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
         /* damping: half the factor after a slow step, else twice */
         if (k >= PATIENT) share = size > SHORTER * last ? fmax(SHORTEST, 0.5 * share) : fmin(1.0, 2.0 * share);
         last = size;
-        before = state->at.contacts;
     }
     return -ITERATIONS;
 }

@@ -67,15 +67,15 @@ static void note(const contact_problem *problem, placed *at, const double *force
     rubber_slice own = *placed_slice_of(at, k);
     contact_arms arms;
     /* gap with what other forces lower it by, and the tangent of its own slice's indentation */
-    const double local = contacts->compliance[k], itself = response_compliance(problem, at, k, k);
+    const double itself = response_between(at, k, k);
     double share, lift, lower = 0.0;
-    for (int j = 0; j < contacts->count; j++) lower += forces[j] > 0.0 ? response_compliance(problem, at, k, j) * forces[j] : 0.0;
-    indentation_tangent(contacts->profiles + k, -contacts->gaps[k] - contacts->domes[k] - lower + local * forces[k], &share, &lift);
+    for (int j = 0; j < contacts->count; j++) lower += response_between(at, k, j) * forces[j];
+    indentation_tangent(contacts->profiles + k, -contacts->gaps[k] - contacts->domes[k] - lower, &share, &lift);
     found->parts[k] = contacts->plates[k];
     found->names[k] = contacts->names[k];
     found->sections[k] = row_of(problem->touching->chain, own.segment, own.element);
     found->gaps[k] = contacts->gaps[k] + contacts->domes[k] + lift + lower - itself * forces[k];
-    found->compliances[k] = itself + local * (1.0 / share - 1.0);
+    found->compliances[k] = itself + contacts->compliance[k] / share;
     /* point, normal and two tangents in the clamp's axes */
     double (*axes)[3] = found->axes[k];
     int least = 0;

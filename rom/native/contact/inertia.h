@@ -18,6 +18,9 @@ void inertia_turn_between(const double *from, const double *to, double *found);
 /* A rotation after a small turn in its own frame, (3) [rad], in place: R exp(turn). */
 void inertia_turn(const double *turn, double *rotation);
 
+/* From the frame of a body to that between it and the one before, which is the clamp if NULL: by half the turn, (3, 3). */
+void inertia_middle(const chain_body *before, const chain_body *body, double *found);
+
 /* The mass matrix by the motions of all bodies, each in its own frame, (6 bodies, 6 bodies); of the ground 1. */
 void inertia_mass(const contact_problem *problem, const chain_state *state, chain_matrix mass);
 

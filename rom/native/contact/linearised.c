@@ -18,7 +18,7 @@ static int yield(const contact_problem *problem, const contact_state *state, int
     unit[component] = 1.0;
     response_move(problem, state, unit, motion);
     for (int k = 0; k < count; k++) forces[k] = -response_opening(&state->at, rows[k], motion);
-    if (!response_forces(problem, &state->at, count, rows, columns, forces)) return 0;
+    if (!response_forces(&state->at, count, rows, columns, forces)) return 0;
     for (int k = 0; k < count; k++)
         for (int i = 0; i < contact_size(problem); i++) motion[i] += forces[k] * columns[rows[k]][i];
     return 1;

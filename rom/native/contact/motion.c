@@ -63,11 +63,13 @@ static int accelerated(const contact_problem *problem, const contact_state *stat
 }
 
 /* v -= W (W^T W / M)^-1 W^T v / M over the plates' contacts that press, with a small diagonal term, so that contacts of one normal share a
- * force. Adds the mean forces over the step that do so where contact begins, (contacts) [N]. */
+ * force. Adds the mean forces over the step that do so, (contacts) [N], of objects on which contact begins: contacts at about one point have
+ * large forces of opposite signs, and only their sum counts. */
 static void stop(const contact_problem *problem, const contact_state *state, const stopped_contacts *those, double *moving, double *forces)
 {
     const int count = those->count;
     double matrix[FINGERFEM_MOST_CONTACTS * FINGERFEM_MOST_CONTACTS], velocity[FINGERFEM_MOST_CONTACTS];
+    int begins[FINGERFEM_MOST_OBJECTS] = {0};
     /* W^T W / M and W^T v */
     for (int i = 0; i < count; i++) {
         const contact_arms *own = state->at.arms + those->rows[i];
@@ -80,9 +82,11 @@ static void stop(const contact_problem *problem, const contact_state *state, con
         matrix[count * i + i] *= 1.0 + SHARED;
     }
     if (!count || !small_solve(count, matrix, 1, velocity)) return;
+    for (int i = 0; i < count; i++)
+        if (acting_pressed(problem->step->pressed, &state->at.contacts, those->rows[i]) == 0.0)
+            begins[state->at.contacts.objects[those->rows[i]]] = 1;
     for (int k = 0; k < count; k++)
-        if (acting_pressed(problem->step->pressed, &state->at.contacts, those->rows[k]) == 0.0)
-            forces[those->rows[k]] -= velocity[k] / problem->step->length;
+        if (begins[state->at.contacts.objects[those->rows[k]]]) forces[those->rows[k]] -= velocity[k] / problem->step->length;
     for (int b = 0; b < problem->map->count; b++) {
         double change[W] = {0.0};
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;

@@ -1,77 +1,22 @@
 /* Bodies placed under their wrenches, and their contacts with objects there: of plates, and of slices of rubber. */
 #include <math.h>
 #include "acting.h"
-#include "plate_around.h"
 #include "rubber.h"
 #include "slices.h"
 
-#define MARCHES 60    /* Newton steps towards the touch distance */
-#define TOUCHED 1e-12 /* gap that counts as closed [m] */
-#define NEAR 1e-4     /* gap below which a contact is found again where its plate is bent, by some um [m] */
 #define SLICE_NEAR 0.04 /* of half the side: gap below which slices take part, as they may touch in the next step [-] */
 
-/* Displacement, (3), of the point of contact k from a box, by the displacements of the plate's corners, (8, 3). */
-static void point_off(const fingerfem_segment *segment, const double *corners, const objects_contacts *contacts, int k,
-                      double *off)
-{
-    if (contacts->names[k] < OBJECTS_CORNERS) memcpy(off, corners + 3 * contacts->names[k], 3 * sizeof *off);
-    else tensions_bent(segment, corners, contacts->points[k], off);
-}
-
-/* Correct contact k of object j at d for the bending of its plate, which displaces its point by `off`: the gap grows by
- * n . off. A near contact that is not with a face is found again, with the whole plate displaced so. */
-static void bend(const contact_problem *problem, int j, double d, int plate, int k, placed *at)
-{
-    objects_contacts *contacts = &at->contacts, seen;
-    const fingerfem_segment *segment = problem->touching->chain->segments[plate];
-    const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
-    double place[3], *off = contacts->bent[k], *wrench = contacts->wrenches[k];
-    point_off(segment, problem->map->corners[plate], contacts, k, off);
-    int same = 0;
-    seen.count = 0; /* zeros in all of it would take longer than the rest */
-    /* contacts of the plate displaced by R off */
-    if (contacts->features[k].kind != OBJECTS_FACE && contacts->gaps[k] < NEAR) {
-        for (int i = 0; i < 3; i++) place[i] = own->centre[i] + objects_dot(own->rotation + 3 * i, off);
-        objects_find(contact_object(problem, j), segment->half_lengths, d, plate, place, own->rotation, &seen);
-    }
-    /* the same corner or edge among these replaces the contact; without it the gap grows by n . off */
-    while (same < seen.count && seen.names[same] != contacts->names[k]) same++;
-    if (same < seen.count) objects_copy(&seen, same, contacts, k);
-    else contacts->gaps[k] += objects_dot(off, wrench);
-    /* moment of a unit force: (p + off) x n */
-    for (int i = 0; i < 3; i++) place[i] = contacts->points[k][i] + off[i];
-    objects_cross(place, wrench, wrench + 3);
-}
-
-/* Add the contacts of object j at d with one plate: a prism about an outline, or a box, corrected for its bending by tensions. */
-static void find(const contact_problem *problem, int j, double d, int plate, placed *at)
-{
-    const chain_body *own = at->chain.bodies + chain_plate_of(problem->map, plate);
-    const fingerfem_segment *segment = problem->touching->chain->segments[plate];
-    objects_contacts *contacts = &at->contacts;
-    contacts->object = j;
-    if (segment->vertices) {
-        plate_find_around(segment, contact_object(problem, j), d, plate, own, contacts);
-        return;
-    }
-    objects_find(contact_object(problem, j), segment->half_lengths, d, plate, own->centre, own->rotation, contacts);
-    for (int k = 0; k < contacts->count && segment->corner_monomials; k++)
-        if (contacts->plates[k] == plate && contacts->objects[k] == j) bend(problem, j, d, plate, k, at);
-}
-
-/* Keep the slices that have contacts, and make the missing ones of a segment, from the corners of its knots. */
-static void keep_slices(const contact_problem *problem, int segment, const double *points, placed *at)
+/* Drop slices that lost all contacts to nearer ones. */
+static void keep_slices(placed *at)
 {
     int kept = 0;
-    /* slices without contacts go */
-    for (int k = 0; k < at->slices; k++)
-        if (objects_any_of(&at->contacts, at->slice[k].number)) at->slice[kept++] = at->slice[k];
-    at->slices = kept;
-    /* slices of this segment's contacts that are not there yet */
-    for (int k = 0; k < at->contacts.count; k++) {
-        const int place = slices_place(problem->map, segment, at->contacts.plates[k]);
-        if (place >= 0 && !placed_slice_of(at, k)) slices_make(problem->map, &at->chain, segment, points, place, at->slice + at->slices++);
+    for (int s = 0; s < at->slices; s++) {
+        int any = 0;
+        for (int k = 0; k < at->contacts.count; k++)
+            if (at->contacts.slices[k] == s) at->contacts.slices[k] = kept, any = 1;
+        if (any) at->slice[kept++] = at->slice[s];
     }
+    at->slices = kept;
 }
 
 void placed_slices(const contact_problem *problem, int j, int free, double dome, double d, double close, placed *at)
@@ -82,7 +27,8 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
-        rubber_slice slice;
+        double sections[2][OUTLINE_CORNERS][3];          /* at even places, and at odd ones */
+        int places[2] = {-1, -1};
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         /* corners of the knots of near elements, and the heights of their highest ridges [m] */
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
@@ -91,20 +37,44 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
             const int e = segment->place_elements[n];
-            if (near[e] != 1 || slices_least_gap(segment, points, n, object, d) > close + highest[e]) continue;
-            slices_make(problem->map, &at->chain, q, points, n, &slice);
-            slice.dome = dome;
-            slices_find(&slice, object, d, close, &at->contacts);
+            double (*const begin)[3] = sections[n % 2], (*const end)[3] = sections[(n + 1) % 2];
+            if (near[e] != 1) continue;
+            for (int place = n; place <= n + 1; place++) {
+                if (places[place % 2] != place) rubber_between(segment, points, place, sections[place % 2]);
+                places[place % 2] = place;
+            }
+            if (slices_least_gap(begin, end, object, d) > close + highest[e]) continue;
+            if (at->slices > FINGERFEM_MOST_CONTACTS) keep_slices(at);
+            rubber_slice *slice = at->slice + at->slices;
+            slices_make(problem->map, &at->chain, q, begin, end, n, slice);
+            slice->dome = dome;
+            at->contacts.slice = at->slices;
+            const int before = at->contacts.count;
+            slices_find(slice, object, d, close, &at->contacts);
+            at->slices += at->contacts.count > before || before == FINGERFEM_MOST_CONTACTS;
         }
-        keep_slices(problem, q, points, at);
+        if (at->contacts.count == FINGERFEM_MOST_CONTACTS) keep_slices(at);
     }
 }
 
 const rubber_slice *placed_slice_of(const placed *at, int contact)
 {
-    for (int k = 0; k < at->slices; k++)
-        if (at->slice[k].number == at->contacts.plates[contact]) return at->slice + k;
-    return NULL;
+    const int k = at->contacts.slices[contact];
+    return k < 0 ? NULL : at->slice + k;
+}
+
+void placed_point(const placed *at, int k, double *place, double *normal)
+{
+    const rubber_slice *slice = placed_slice_of(at, k);
+    const chain_body *plate = slice ? NULL : at->chain.bodies + at->arms[k].bodies[0];
+    const double *rotation = slice ? slice->rotation : plate->rotation, *centre = slice ? slice->centre : plate->centre;
+    double p[3];
+    /* c + R p and R n */
+    for (int i = 0; i < 3; i++) p[i] = at->contacts.points[k][i] + at->contacts.bent[k][i];
+    for (int i = 0; i < 3; i++) {
+        place[i] = centre[i] + objects_dot(rotation + 3 * i, p);
+        normal[i] = objects_dot(rotation + 3 * i, at->contacts.wrenches[k]);
+    }
 }
 
 /* Make a section, or the ground, a body, with a zero wrench among the others; returns 0 if there is no room. */
@@ -175,7 +145,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
     at->contacts.count = 0;
     for (int plate = 0; plate < problem->touching->chain->plates; plate++)
         for (int j = 0; j < problem->touching->count; j++)
-            if (contact_is_there(problem, j)) find(problem, j, d + problem->ahead[j], plate, at);
+            if (contact_is_there(problem, j)) placed_plate(problem, j, d + problem->ahead[j], plate, at);
     at->slices = 0;
     at->d = d;
     if (rubber) all_slices(problem, d, SLICE_NEAR * rubber_half(problem->touching->chain), at);
@@ -210,69 +180,4 @@ int placed_crowded(const objects_contacts *contacts)
     double largest = -INFINITY;
     for (int k = 0; k < contacts->count; k++) largest = fmax(largest, contacts->gaps[k]);
     return contacts->count == FINGERFEM_MOST_CONTACTS && largest < 0.0;
-}
-
-int placed_nearest(const objects_contacts *contacts)
-{
-    int least = 0;
-    for (int k = 1; k < contacts->count; k++)
-        if (contacts->gaps[k] < contacts->gaps[least]) least = k;
-    return least;
-}
-
-void placed_bend(const contact_problem *problem, const placed *at, int k, double *found)
-{
-    const objects_contacts *contacts = &at->contacts;
-    const fingerfem_chain *chain = problem->touching->chain;
-    const int plate = contacts->plates[k];
-    memset(found, 0, (size_t)(3 * chain->tensions) * sizeof *found);
-    /* a slice of rubber */
-    if (plate >= FINGERFEM_MOST_PLATES) {
-        slices_bend(problem->map, placed_slice_of(at, k), &at->chain, contacts->names[k], contacts->material[k], found);
-        return;
-    }
-    const fingerfem_segment *segment = chain->segments[plate];
-    if (segment->vertices) return; /* nothing bends a prism */
-    /* a plate: displacement of the point by the change of its corners with every tension */
-    for (int j = 0; j < segment->tensions; j++) {
-        double corners[FINGERFEM_CORNERS];
-        tensions_corners(segment, rod_monomials(problem->map->rods + plate, 0) + segment->monomials * (1 + j), corners);
-        point_off(segment, corners, contacts, k, found + 3 * chain->own[chain->tensions * plate + j]);
-    }
-}
-
-/* The largest d at which object j touches one plate, by Newton's method from d = 1 m: the gap of convex bodies is
- * convex in d, so that no step passes the root. -infinity if the object passes by. */
-static double touch_distance(const contact_problem *problem, int j, int plate, placed *at)
-{
-    double e[3], d = 1.0;
-    placed_leaving(problem, j, at->chain.bodies + chain_plate_of(problem->map, plate), e);
-    for (int step = 0; step < MARCHES; step++) {
-        at->contacts.count = 0;
-        find(problem, j, d, plate, at);
-        /* least gap, and its slope dg/dd = -n . e */
-        const int k = placed_nearest(&at->contacts);
-        const double *n = at->contacts.wrenches[k], gap = at->contacts.gaps[k];
-        const double slope = -(n[0] * e[0] + n[1] * e[1] + n[2] * e[2]);
-        /* stop: the object touches, or passes by; else d -= g / (dg/dd) */
-        if (fabs(gap) < TOUCHED) return d;
-        if (gap > 0.0 && slope <= 0.0) return -INFINITY;
-        d -= gap / slope;
-    }
-    return -INFINITY;
-}
-
-double placed_touch_distance(const contact_problem *problem, int j, placed *at)
-{
-    const int plates = problem->touching->chain->plates;
-    int first = 0;
-    double farthest = -INFINITY;
-    /* largest d of all plates */
-    for (int plate = 0; plate < plates; plate++) {
-        const double d = touch_distance(problem, j, plate, at);
-        if (d > farthest) farthest = d, first = plate;
-    }
-    /* contacts of the plate that is touched first */
-    if (plates > 1 && isfinite(farthest)) touch_distance(problem, j, first, at);
-    return farthest;
 }

@@ -19,7 +19,7 @@ enum { SIDE = OBJECTS_SIDE, RIMS = SIDE - 1, MINIMA = 2, STAYING = RIMS - 2 * MI
 /* Points of a rim at most: one of every part, or of few parts less than 2 AROUND. */
 enum { MOST = 2 * (FINGERFEM_MOST_VERTICES + AROUND) };
 
-/* A plate as a slice: its corners in space, in the order of bits (end, y, z). */
+/* A plate as a slice. */
 static void as_slice(const fingerfem_segment *segment, const chain_body *body, rubber_slice *found)
 {
     memset(found, 0, sizeof *found);
@@ -27,11 +27,9 @@ static void as_slice(const fingerfem_segment *segment, const chain_body *body, r
     found->thickness = 2.0 * segment->half_lengths[0];
     memcpy(found->centre, body->centre, sizeof found->centre);
     memcpy(found->rotation, body->rotation, sizeof found->rotation);
-    for (int k = 0; k < SLICE_CORNERS; k++) {
-        double corner[3], *own = found->corners[k];
-        objects_corner(k, segment->half_lengths, corner);
-        for (int i = 0; i < 3; i++) own[i] = body->centre[i] + objects_dot(body->rotation + 3 * i, corner);
-    }
+    memcpy(found->shape[0], body->centre, sizeof body->centre);
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) found->shape[1 << j][i] = segment->half_lengths[j] * body->rotation[3 * i + j];
 }
 
 /* Add the contact of a point, by its coordinates in the plate. At a minimum along a rim, it is the more compliant the less the gap is

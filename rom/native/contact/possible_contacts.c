@@ -3,6 +3,7 @@
 #include <math.h>
 #include "contact.h"
 #include "response.h"
+#include "rubber.h"
 #include "slices.h"
 
 /* Two unit tangents, orthogonal to a unit normal and to each other. */
@@ -63,25 +64,18 @@ static void note(const contact_problem *problem, const placed *at, int k, int gr
 {
     const objects_contacts *contacts = &at->contacts;
     const rubber_slice *slice = placed_slice_of(at, k);
-    const chain_body *plate = at->chain.bodies + at->arms[k].bodies[0];
-    const double *rotation = slice ? slice->rotation : plate->rotation, *centre = slice ? slice->centre : plate->centre;
-    /* point x = c + R p and normal R n in space, then two tangents */
-    double p[3];
-    for (int i = 0; i < 3; i++) p[i] = contacts->points[k][i] + contacts->bent[k][i];
-    for (int i = 0; i < 3; i++) {
-        found->places[k][i] = centre[i] + objects_dot(rotation + 3 * i, p);
-        found->axes[k][0][i] = objects_dot(rotation + 3 * i, contacts->wrenches[k]);
-    }
+    /* point and normal in space, then two tangents */
+    placed_point(at, k, found->places[k], found->axes[k][0]);
     across(found->axes[k][0], found->axes[k][1], found->axes[k][2]);
     /* identity, and the material point: coordinates in a slice [-], or in the plate's frame [m] */
-    memcpy(found->material[k], slice ? contacts->material[k] : p, sizeof p);
+    for (int i = 0; i < 3; i++) found->material[k][i] = slice ? contacts->material[k][i] : contacts->points[k][i] + contacts->bent[k][i];
     found->parts[k] = contacts->plates[k];
     found->names[k] = contacts->names[k];
     found->segments[k] = slice ? slice->segment : contacts->plates[k];
     found->rubber[k] = slice != NULL;
     /* gap [m], and local compliances to all contacts [m/N] */
     found->gaps[k] = contacts->gaps[k] + contacts->domes[k];
-    for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_compliance(problem, at, k, j);
+    for (int j = 0; j < contacts->count; j++) found->compliances[contacts->count * k + j] = response_compliance(at, k, j);
     found->local[k] = slice ? contacts->compliance[k] : 0.0;
     memcpy(found->profiles[k], contacts->profiles + k, sizeof found->profiles[k]);
     /* bodies that it loads; -1 for the ground, or for none */
@@ -171,7 +165,10 @@ void fingerfem_material_points(const fingerfem_chain *chain, const double *tensi
             /* in a slice: by its coordinates; on a plate: x = c + R p */
             if (contacts->rubber[k]) {
                 if (!corners) corners = slices_corners(&map, &state, q, 0, all);
-                slices_make(&map, &state, q, corners, slices_place(&map, q, contacts->parts[k]), &slice);
+                const int place = slices_place(&map, q, contacts->parts[k]);
+                double ends[2][OUTLINE_CORNERS][3];
+                for (int end = 0; end < 2; end++) rubber_between(chain->segments[q], corners, place + end, ends[end]);
+                slices_make(&map, &state, q, ends[0], ends[1], place, &slice);
                 slices_point(&slice, contacts->material[k], x);
             } else {
                 for (int i = 0; i < 3; i++) x[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, contacts->material[k]);

@@ -62,11 +62,12 @@ static void follow_one(const contact_problem *problem, const contact_state *stat
 static int factorise(int size, contact_state *state)
 {
     for (int i = 0; i < size; i++) {
-        double *row = state->factors[i];
+        double *restrict row = state->factors[i];
         for (int j = 0; j < size; j++) row[j] = i == j;
         for (int k = 0; k < size; k++) {
             const double g = state->following[i][k], *motion = state->at.chain.bodies[k / W].motion[k % W];
-            for (int j = 0; j < size && g != 0.0; j++) row[j] -= g * motion[j];
+            if (g == 0.0) continue;
+            for (int j = 0; j < size; j++) row[j] -= g * motion[j];
         }
     }
     return small_factorise(size, CHAIN_WRENCH, state->factors[0], state->exchanged);
@@ -96,6 +97,27 @@ void response_move(const contact_problem *problem, const contact_state *state, c
         double sum = 0.0;
         for (int j = 0; j < size; j++) sum += row[j] * soft[j];
         out[i] = sum;
+    }
+}
+
+void response_yields(const contact_problem *problem, const contact_state *state, int count, const int *rows, small_columns *motions)
+{
+    const int size = contact_size(problem);
+    small_columns soft[CHAIN_WRENCH];
+    memset(soft, 0, (size_t)size * sizeof *soft);
+    for (int c = 0; c < count; c++) {
+        const contact_arms *arms = state->at.arms + rows[c];
+        const contact_acting *acting = state->at.acting + rows[c];
+        for (int a = 0; a < arms->count; a++)
+            for (int i = 0; i < W; i++) soft[W * arms->bodies[a] + i][c] += problem->share * acting->slope * acting->wrenches[a][i];
+    }
+    small_substitute_columns(size, CHAIN_WRENCH, state->factors[0], state->exchanged, soft);
+    for (int i = 0; i < size; i++) {
+        const double *row = state->at.chain.bodies[i / W].motion[i % W];
+        small_columns sum = {0.0};
+        for (int j = 0; j < size; j++)
+            for (int c = 0; c < SMALL_COLUMNS; c++) sum[c] += row[j] * soft[j][c];
+        memcpy(motions[i], sum, sizeof sum);
     }
 }
 
@@ -188,7 +210,7 @@ int response_follow(const contact_problem *problem, const contact_state *state, 
         if (contacts->objects[rows[k]] == only) forces[k] -= response_opening(&state->at, rows[k], drift);
         if (bends) forces[k] -= objects_dot(contacts->wrenches[rows[k]], bends + 3 * rows[k]);
     }
-    if (!response_forces(problem, &state->at, count, rows, columns, forces)) return 0;
+    if (!response_forces(&state->at, count, rows, columns, forces)) return 0;
     /* change of all wrenches: dw = S (G drift + bends + W df) */
     for (int k = 0; k < count; k++) response_press(&state->at, rows[k], forces[k], turned);
     response_soften(problem, state, turned, wrench_change);
@@ -214,6 +236,6 @@ int response_stable(const contact_problem *problem, const contact_state *state)
     /* A = W^T C S W + c over the pressing contacts */
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++)
-            a[count * i + j] = response_opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(problem, &state->at, rows[i], rows[j]);
+            a[count * i + j] = response_opening(&state->at, rows[i], columns[rows[j]]) + response_compliance(&state->at, rows[i], rows[j]);
     return small_negative(w, yielding) == small_negative(count, a); /* of C S = 1/K as of K */
 }

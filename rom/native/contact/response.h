@@ -1,6 +1,7 @@
 /* Response of the bodies to forces at their contacts: C S, and what follows from it. */
 #ifndef FINGERFEM_RESPONSE_H
 #define FINGERFEM_RESPONSE_H
+#include "../linear_algebra/small.h"
 #include "contact.h"
 
 /* G by the state's forces, and the factors of 1 - G C; returns 0 if that is singular. */
@@ -13,7 +14,9 @@ void response_move(const contact_problem *problem, const contact_state *state, c
 /* Add what a force at contact k puts on all bodies. */
 void response_press(const placed *at, int k, double force, double *wrench);
 
-/* C S W_k: the motion of all bodies with a unit force at contact k, or the share of it that the balance sees. */
+/* C S W_k: the motion of all bodies with a unit force at contact k, or the share of it that the balance sees; and those of SMALL_COLUMNS
+ * contacts at most. */
+void response_yields(const contact_problem *problem, const contact_state *state, int count, const int *rows, small_columns *motions);
 static inline void response_yield(const contact_problem *problem, const contact_state *state, int k, double *out)
 {
     double wrench[CHAIN_WRENCH] = {0.0};
@@ -33,22 +36,28 @@ static inline double response_opening(const placed *at, int k, const double *mot
 
 /* Forces, (count), at some contacts, by which their gaps open as much as `wanted`, in place: solve
  * (W^T C S W + c) f = wanted, c the local compliances. Returns 0 if that is singular. */
-int response_forces(const contact_problem *problem, const placed *at, int count, const int *rows, double (*columns)[CHAIN_WRENCH],
-                    double *wanted);
+int response_forces(const placed *at, int count, const int *rows, double (*columns)[CHAIN_WRENCH], double *wanted);
 
-/* Forces f >= 0, with gaps >= 0 and one of both zero at every contact, by block principal pivoting, with Murty's least index (1974) where that does not end (Judice and Pires 1994): it
+/* Linearise the indentation of all slices about a state's pose and forces, and find forces f >= 0, with gaps >= 0 and one of both zero at every
+ * contact, by block principal pivoting, with Murty's least index (1974) where that does not end (Judice and Pires 1994): it
  * ends for every positive definite W^T C S W. Begins with those that press. Returns 0 if it found none. */
-int response_balance(const contact_problem *problem, const contact_state *state, double *forces);
+int response_balance(const contact_problem *problem, contact_state *state, double *forces);
 
-/* The local compliance of contact k by a unit force at another contact, or at itself: its indentation, and the deflection of its element
- * between its ends [m/N]. */
-double response_compliance(const contact_problem *problem, const placed *at, int k, int other);
+/* By how much a unit force at another contact lowers contact k on rubber: the indentation there, and the deflection of its element between its
+ * ends; at itself, without the indentation of its own slice [m/N]. */
+double response_between(const placed *at, int k, int other);
 
-/* Linearise the indentation of all slices about a state's pose and forces: shares and lifts of its contacts. */
-void response_indent(const contact_problem *problem, contact_state *state);
+/* The same with that, by the share of the slice that is pressed in: the local compliance [m/N]. */
+static inline double response_compliance(const placed *at, int k, int other)
+{
+    return response_between(at, k, other) + (k == other ? at->contacts.compliance[k] / at->contacts.shares[k] : 0.0);
+}
+
+/* Linearise the indentation of all slices, which other forces lower by so much, (contacts) [m]: shares and lifts. */
+void response_indent(objects_contacts *contacts, const double *others);
 
 /* The indentation of contact k by all forces [m]. */
-double response_indentation(const contact_problem *problem, const placed *at, const double *forces, int k);
+double response_indentation(const placed *at, const double *forces, int k);
 
 /* How wrenches and bodies move with a tension, or with an object: drift is the motion at fixed wrenches, of the bodies, or
  * relative to the object `only`, which no others see; it is negative for all. Unless it is NULL, contacts' points of the plates

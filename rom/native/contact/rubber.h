@@ -24,6 +24,11 @@ double *rubber_points(const rod_state *rod, const rod_end *clamp, int free);
 /* Half the side of a chain's largest section [m]. */
 double rubber_half(const fingerfem_chain *chain);
 
+static inline const fingerfem_outline *rubber_outline(const fingerfem_segment *segment, int element)
+{
+    return segment->outline[segment->law_of[element]];
+}
+
 /* Parts of that: how many knots an element has; the corners of a section without warping, `size` times as large as the
  * plate's, `along` its x axis from a place, and those of an element's knots, seen from its distal section. */
 int rubber_knots(const fingerfem_segment *segment, int element);
@@ -39,6 +44,9 @@ void rubber_shape(const rod_state *rod, int element, const double *monomials, do
  * knot's index in its element. And a point of a section: the sum of its corners, (4, 3), each with a weight. */
 int rubber_element_of(const fingerfem_segment *segment, int knot, int *number);
 void rubber_point_of(const double *weights, const double *corners, double *found);
+
+/* Motion by the tensions, (tensions, 3), of a point of a free slice at coordinates `at`, in the frame of its plate. */
+void rubber_moves(const chain_rods *map, const chain_state *free, const rubber_slice *slice, const double *at, double *found);
 
 /* Error of the surface at contact k of a slice [m]. */
 double rubber_off(const contact_problem *problem, const placed *at, int k);

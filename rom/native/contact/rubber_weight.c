@@ -22,7 +22,7 @@ static void by_wrench(const rod_state *rod, int element, int number, const doubl
     for (int i = 0; i < 3; i++) found[i] = (sides[1][i] - sides[0][i]) / (2.0 * way);
 }
 
-/* As `knot_moves` of rubber.c: weight dp + b x arm + Q dc. */
+/* As `knot_moves` of rubber_moves.c: weight dp + b x arm + Q dc. */
 void rubber_weight_moves(const chain_rods *map, int q, const rod_end *clamp, int knot, const double *at, double (*found)[TENSIONS_MOST])
 {
     const fingerfem_chain *chain = map->chain;

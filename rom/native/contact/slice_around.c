@@ -39,29 +39,25 @@ static double look_around(const rubber_slice *slice, const fingerfem_object *obj
 void slice_nearest_around(const rubber_slice *slice, const fingerfem_object *object, double d, int along, near_point *point)
 {
     const double period = border_period(slice->of);
-    double ends[2], slopes[2], slope = look_around(slice, object, d, along, point->parameter, point);
+    double slope = look_around(slice, object, d, along, point->parameter, point);
+    slice_bracket bracket = {.last = -1};
     if (fabs(slope) < SLICE_SLOPE) return;
     /* end 0 has a slope below 0, end 1 one above; stop without a bracket after half a turn: the object is around the axis */
-    int side = slope > 0.0;
-    ends[side] = point->parameter;
-    slopes[side] = slope;
+    const int side = slope > 0.0;
+    bracket.ends[side] = point->parameter;
+    bracket.slopes[side] = slope;
     for (double step = BEGIN * period, away = step;; step *= 2.0, away += step) {
         if (away > 0.5 * period) return;
-        slope = look_around(slice, object, d, along, ends[side] + (side ? -step : step), point);
+        slope = look_around(slice, object, d, along, bracket.ends[side] + (side ? -step : step), point);
         const int there = slope > 0.0;
-        ends[there] = point->parameter;
-        slopes[there] = slope;
+        bracket.ends[there] = point->parameter;
+        bracket.slopes[there] = slope;
         if (there != side) break;
     }
-    for (int k = 0, last = -1; k < STEPS; k++) {
-        const double between = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
+    for (int k = 0; k < STEPS; k++) {
+        const double between = slice_between(&bracket);
         slope = look_around(slice, object, d, along, between, point);
-        side = slope > 0.0;
-        if (fabs(slope) < SLICE_SLOPE || fabs(ends[side] - between) < SHORT) return;
-        ends[side] = between;
-        slopes[side] = slope;
-        if (side == last) slopes[!side] *= 0.5;
-        last = side;
+        if (fabs(slope) < SLICE_SLOPE || slice_narrow(&bracket, between, slope) < SHORT) return;
     }
 }
 

@@ -4,7 +4,7 @@
 #include "slice_points.h"
 
 #define STEPS 40     /* most steps of the Illinois method */
-#define ROUGH 1e-4   /* the same, of what a profile is sampled at */
+#define ROUGH 1e-6   /* converged: slope of the gap over the slice's thickness, of what a profile is sampled at [-] */
 #define SHORT 1e-12  /* converged: step of a coordinate [-] */
 #define SHALLOW 0.25 /* of the gap up to which slices take part: below it, their profile is sampled [-] */
 #define FLUSH 0.4    /* of half the side: largest gap of the edges, about, of a line that may press [-] */
@@ -18,51 +18,35 @@ void slice_look(const rubber_slice *slice, const fingerfem_object *object, doubl
     for (int j = 0; j < 3; j++) point->slopes[j] = objects_dot(point->normal, t[j]) + (j ? SLICE_FLAT : slice->dome) * slice->thickness * point->at[j];
 }
 
-/* Closest point of a line along x, between the slice's ends: the root of the slope, which grows along x as the distance
- * from a convex body is convex. (The Illinois method, Dowell and Jarratt 1971.) */
-void slice_nearest_along(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
+/* Closest point of a line along axis j, between its ends, from where the point is: the root of the slope, which grows along the line as the
+ * distance from a convex body is convex. It is smaller than `small` over the thickness there. */
+static void nearest_on(const rubber_slice *slice, const fingerfem_object *object, double d, int j, double small, near_point *point)
 {
-    double ends[2] = {-1.0, 1.0}, slopes[2];
-    /* slopes at both ends; stop at an end from which the gap grows */
-    for (int end = 0; end < 2; end++) {
-        point->at[0] = ends[end];
+    slice_bracket bracket = {.last = -1};
+    slice_look(slice, object, d, point);
+    if (fabs(point->slopes[j]) < small * slice->thickness) return;
+    /* the gap falls towards this end; stop there if it falls up to it */
+    const int side = point->slopes[j] < 0.0;
+    const double end = side ? 1.0 : -1.0;
+    if (point->at[j] == end) return;
+    bracket.ends[!side] = point->at[j];
+    bracket.slopes[!side] = point->slopes[j];
+    point->at[j] = end;
+    slice_look(slice, object, d, point);
+    if (side ? point->slopes[j] <= 0.0 : point->slopes[j] >= 0.0) return;
+    bracket.ends[side] = end;
+    bracket.slopes[side] = point->slopes[j];
+    for (int step = 0; step < STEPS; step++) {
+        point->at[j] = slice_between(&bracket);
         slice_look(slice, object, d, point);
-        slopes[end] = point->slopes[0];
-        if (end ? slopes[1] <= 0.0 : slopes[0] >= 0.0) return;
-    }
-    /* Illinois method: secant in the bracket; an end that stays twice has its slope halved */
-    for (int step = 0, last = -1; step < STEPS; step++) {
-        point->at[0] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
-        slice_look(slice, object, d, point);
-        const int side = point->slopes[0] > 0.0;
-        if (fabs(point->slopes[0]) < SLICE_SLOPE * slice->thickness || fabs(ends[side] - point->at[0]) < SHORT) return;
-        ends[side] = point->at[0];
-        slopes[side] = point->slopes[0];
-        if (side == last) slopes[!side] *= 0.5;
-        last = side;
+        const double slope = point->slopes[j];
+        if (fabs(slope) < small * slice->thickness || slice_narrow(&bracket, point->at[j], slope) < SHORT) return;
     }
 }
 
-/* Closest point of the line across a face along axis j, at one x, between the edges. */
-static void nearest_across(const rubber_slice *slice, const fingerfem_object *object, double d, int j, near_point *point)
+void slice_nearest_along(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point)
 {
-    double ends[2] = {-1.0, 1.0}, slopes[2];
-    for (int end = 0; end < 2; end++) {
-        point->at[j] = ends[end];
-        slice_look(slice, object, d, point);
-        slopes[end] = point->slopes[j];
-        if (end ? slopes[1] <= 0.0 : slopes[0] >= 0.0) return;
-    }
-    for (int step = 0, last = -1; step < STEPS; step++) {
-        point->at[j] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
-        slice_look(slice, object, d, point);
-        const int side = point->slopes[j] > 0.0;
-        if (fabs(point->slopes[j]) < ROUGH * slice->thickness) return;
-        ends[side] = point->at[j];
-        slopes[side] = point->slopes[j];
-        if (side == last) slopes[!side] *= 0.5;
-        last = side;
-    }
+    nearest_on(slice, object, d, 0, SLICE_SLOPE, point);
 }
 
 /* The gap of a line at one x. */
@@ -70,7 +54,7 @@ static void look_at(const rubber_slice *slice, const fingerfem_object *object, d
 {
     point->at[0] = x;
     if (line == SLICE_AROUND) slice_nearest_around(slice, object, d, 0, point);
-    else if (line) nearest_across(slice, object, d, line, point);
+    else if (line) nearest_on(slice, object, d, line, ROUGH, point);
     else slice_look(slice, object, d, point);
 }
 
@@ -110,7 +94,6 @@ static void note_point(const rubber_slice *slice, int name, const near_point *po
     objects_turned_back(slice->rotation, x, p);
     objects_turned_back(slice->rotation, point->normal, n);
     all->plate = slice->number;
-    all->segment = slice->segment;
     const double own = fmax(compliance / slice->modulus, OBJECTS_COMPLIANCE);
     const int k = objects_note_rubber(all, name, point->gap, point->at, own, 0.5 * slice->dome * slice->thickness * point->at[0] * point->at[0], profile, p, n);
     if (k >= 0) all->borders[k] = point->border;
@@ -130,22 +113,19 @@ static void face(const rubber_slice *slice, const fingerfem_object *object, doub
                  int name, int j, const near_point *edges, objects_contacts *all)
 {
     /* stop: the gap grows from one of the edges */
-    double ends[2] = {-1.0, 1.0}, slopes[2] = {edges[0].slopes[j], edges[1].slopes[j]};
+    slice_bracket bracket = {{-1.0, 1.0}, {edges[0].slopes[j], edges[1].slopes[j]}, -1};
+    const double *slopes = bracket.slopes;
     if (slopes[0] >= 0.0 || slopes[1] <= 0.0) return;
     /* stop: where the tangents at both edges meet, a lower bound of the gap is too large */
     const double least = (edges[0].gap * slopes[1] - edges[1].gap * slopes[0] + 2.0 * slopes[0] * slopes[1]) / (slopes[1] - slopes[0]);
     if (least > near) return;
     /* Illinois method along axis j, for the least gap along x */
     near_point point = edges[0];
-    for (int step = 0, last = -1; step < STEPS; step++) {
-        point.at[j] = (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
+    for (int step = 0; step < STEPS; step++) {
+        point.at[j] = slice_between(&bracket);
         slice_nearest_along(slice, object, d, &point);
-        const int side = point.slopes[j] > 0.0;
-        if (fabs(point.slopes[j]) < SLICE_SLOPE * slice->thickness || fabs(ends[side] - point.at[j]) < SHORT) break;
-        ends[side] = point.at[j];
-        slopes[side] = point.slopes[j];
-        if (side == last) slopes[!side] *= 0.5;
-        last = side;
+        const double slope = point.slopes[j];
+        if (fabs(slope) < SLICE_SLOPE * slice->thickness || slice_narrow(&bracket, point.at[j], slope) < SHORT) break;
     }
     /* contact if it is nearer than both edges: compliance c (1 + FADE h / how much nearer) */
     const double nearer = fmin(edges[0].gap, edges[1].gap) - point.gap;

@@ -13,26 +13,18 @@
  * move the slice with its bodies. */
 #include <math.h>
 #include "rubber.h"
-#include "slice_points.h"
-#include "slices.h"
+#include "slice_beam.h"
 
-/* The weights N and u of both ends at a share, and their derivatives by it. */
-typedef struct {
-    double share, n[SLICE_ENDS], u[SLICE_ENDS], dn[SLICE_ENDS], du[SLICE_ENDS];
-} beam;
-
-/* At the distance `along` from the slice's middle [m], towards the element's begin. */
-static beam beam_at(const rubber_slice *slice, double along)
+slice_beam slice_beam_at(const rubber_slice *slice, double along)
 {
     const double a = slice->share + along / slice->length, b = 1.0 - a, phi = slice->slender, all = 1.0 + phi;
     const double n = (a * a * (3.0 - 2.0 * a) + phi * a) / all, dn = (6.0 * a * b + phi) / all;
-    const beam found = {a, {n, 1.0 - n}, {a * b * (a + 0.5 * phi) / all, a * b * (b + 0.5 * phi) / all}, {dn, -dn},
+    const slice_beam found = {a, {n, 1.0 - n}, {a * b * (a + 0.5 * phi) / all, a * b * (b + 0.5 * phi) / all}, {dn, -dn},
                         {((b - a) * (a + 0.5 * phi) + a * b) / all, ((b - a) * (b + 0.5 * phi) - a * b) / all}};
     return found;
 }
 
-/* The arms g of both ends for a force at a point x of space, (2, 3). */
-static void arms_to(const rubber_slice *slice, const chain_state *state, const beam *at, const double *x, double (*g)[3])
+void slice_beam_arms(const rubber_slice *slice, const chain_state *state, const slice_beam *at, const double *x, double (*g)[3])
 {
     const double *s = slice->ends[0], *t = slice->ends[1];
     for (int end = 0; end < SLICE_ENDS; end++) {
@@ -45,9 +37,7 @@ static void arms_to(const rubber_slice *slice, const chain_state *state, const b
     }
 }
 
-/* The couple, (3), that a force f at a point p puts on the distal end of its element, all seen from the slice. The
- * proximal end gets the opposite couple. */
-static void couple_of(const rubber_slice *slice, int name, const double *p, const double *f, double *couple)
+void slice_couple(const rubber_slice *slice, int name, const double *p, const double *f, double *couple)
 {
     const double gain = slice->bulging * (name < SLICE_LINES ? 1.0 : 2.0 / 3.0); /* a line across a face has the mean over its width */
     const double even = 0.5 * (p[1] * p[1] - p[2] * p[2]), odd = p[1] * p[2];
@@ -56,63 +46,40 @@ static void couple_of(const rubber_slice *slice, int name, const double *p, cons
     couple[2] = gain * (f[1] * even + f[2] * odd);
 }
 
-/* The change of this couple as its point moves by dp: (C(p + dp) - C(p - dp)) / 2. */
-static void couple_change(const rubber_slice *slice, int name, const double *p, const double *dp, const double *f, double *change)
+void slice_press(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
+                 slice_pressed *found)
 {
-    const double sum[3] = {0.0, p[1] + dp[1], p[2] + dp[2]}, difference[3] = {0.0, p[1] - dp[1], p[2] - dp[2]};
-    double ahead[3], behind[3];
-    couple_of(slice, name, sum, f, ahead); /* quadratic in the point, so that central differences are exact */
-    couple_of(slice, name, difference, f, behind);
-    for (int i = 0; i < 3; i++) change[i] = 0.5 * (ahead[i] - behind[i]);
-}
-
-/* The point x = c + R p of a contact of a slice, and its normal, in space. */
-static void contact_in_space(const rubber_slice *slice, const objects_contacts *contacts, int k, double *x, double *n)
-{
-    double p[3];
+    double p[3], local[3];
     memcpy(p, contacts->points[k], sizeof p);
-    slice_turned(slice->rotation, p, x);
-    slice_turned(slice->rotation, contacts->wrenches[k], n);
-    for (int i = 0; i < 3; i++) x[i] += slice->centre[i];
+    found->here = slice_beam_at(slice, p[0]);
+    /* point x = c + R p, normal, force and arms in space; the couple is computed in the slice's axes and turned */
+    slice_turned(slice->rotation, p, found->x);
+    for (int i = 0; i < 3; i++) found->x[i] += slice->centre[i];
+    slice_turned(slice->rotation, contacts->wrenches[k], found->n);
+    memcpy(found->f, force ? force : found->n, sizeof found->f);
+    slice_beam_arms(slice, state, &found->here, found->x, found->g);
+    objects_turned_back(slice->rotation, found->f, found->seen);
+    slice_couple(slice, contacts->names[k], p, found->seen, local);
+    slice_turned(slice->rotation, local, found->couple);
 }
 
 void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
                  contact_arms *found)
 {
-    const beam at = beam_at(slice, contacts->points[k][0]);
-    double x[3], n[3], g[SLICE_ENDS][3], moment[3], seen[3], local[3], couple[3];
-    /* point, force and arms in space; the couple is computed in the slice's axes and turned */
-    contact_in_space(slice, contacts, k, x, n);
-    if (force) memcpy(n, force, sizeof n);
-    arms_to(slice, state, &at, x, g);
-    objects_turned_back(slice->rotation, n, seen);
-    couple_of(slice, contacts->names[k], contacts->points[k], seen, local);
-    slice_turned(slice->rotation, local, couple);
+    slice_pressed own;
+    slice_press(slice, state, contacts, k, force, &own);
     found->count = SLICE_ENDS;
-    /* wrench of each end in its body's frame: R^T (N n), R^T (g x n +- couple) */
+    /* wrench of each end in its body's frame: R^T (N f), R^T (g x f +- couple) */
     for (int end = 0; end < SLICE_ENDS; end++) {
         const double *rotation = state->bodies[slice->bodies[end]].rotation;
+        double moment[3];
         found->bodies[end] = slice->bodies[end];
-        objects_cross(g[end], n, moment);
-        for (int i = 0; i < 3; i++) moment[i] += end ? -couple[i] : couple[i];
-        objects_turned_back(rotation, n, found->wrenches[end]);
-        for (int i = 0; i < 3; i++) found->wrenches[end][i] *= at.n[end];
+        objects_cross(own.g[end], own.f, moment);
+        for (int i = 0; i < 3; i++) moment[i] += end ? -own.couple[i] : own.couple[i];
+        objects_turned_back(rotation, own.f, found->wrenches[end]);
+        for (int i = 0; i < 3; i++) found->wrenches[end][i] *= own.here.n[end];
         objects_turned_back(rotation, moment, found->wrenches[end] + 3);
     }
-}
-
-/* Unit motion `input` of the body at one end, along its own axes: displacement v and turn t of the body, and
- * displacement ds = v + t x arm of the section's centre, in space. */
-static void moved_by(const rubber_slice *slice, const chain_body *body, int end, int input, double *v, double *t, double *ds)
-{
-    double unit_of[3] = {0.0}, arm[3];
-    unit_of[input % 3] = 1.0;
-    memset(v, 0, 3 * sizeof *v);
-    memset(t, 0, 3 * sizeof *t);
-    slice_turned(body->rotation, unit_of, input < 3 ? v : t);
-    for (int i = 0; i < 3; i++) arm[i] = slice->ends[end][i] - body->centre[i];
-    objects_cross(t, arm, ds);
-    for (int i = 0; i < 3; i++) ds[i] += v[i];
 }
 
 /* Computed at the knot of the element that is nearest to the slice: the point's motion, with the section where the
@@ -125,7 +92,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     const fingerfem_segment *segment = rod->segment;
     /* nearest knot, counted from the element's end, and the beam's weights at its share (knot + 1/2) / count */
     const int knot = (int)fmin(count - 1, fmax(0.0, floor(slice->share * count)));
-    const beam here = beam_at(slice, ((knot + 0.5) / count - slice->share) * slice->length);
+    const slice_beam here = slice_beam_at(slice, ((knot + 0.5) / count - slice->share) * slice->length);
     const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
     const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* 0 where plate or clamp fix the shape */
     const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* mean of 1 - zeta^2 over a line across a face */
@@ -140,7 +107,7 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
         for (int i = 0; i < 3; i++) seen[i] += weights[edge] * own[3 * edge + i];
     slice_turned(rotation, seen, x);
     for (int i = 0; i < 3; i++) x[i] += place[i];
-    arms_to(slice, state, &here, x, g);
+    slice_beam_arms(slice, state, &here, x, g);
     /* y and z axes of the slice in space */
     for (int j = 0; j < 2; j++)
         for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
@@ -187,92 +154,8 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     }
 }
 
-void slices_change(const contact_problem *problem, double d, const placed *at, int k, const double *force_of,
-                   double (*change)[SLICE_INPUTS])
-{
-    const rubber_slice *slice = placed_slice_of(at, k);
-    const objects_contacts *contacts = &at->contacts;
-    const double *s = slice->ends[0], *t = slice->ends[1];
-    const beam here = beam_at(slice, contacts->points[k][0]), middle = beam_at(slice, 0.0);
-    double x[3], n[3], f[3], f_seen[3], own_couple[3], couple[3], g[SLICE_ENDS][3], centres[SLICE_ENDS][3], from[W][W];
-    /* point x, force f, arms g and the couple, in space; `centres` are the arms of the slice's centre */
-    contact_in_space(slice, contacts, k, x, n);
-    memcpy(f, force_of ? force_of : n, sizeof f);
-    arms_to(slice, &at->chain, &here, x, g);
-    arms_to(slice, &at->chain, &middle, slice->centre, centres);
-    objects_turned_back(slice->rotation, f, f_seen);
-    couple_of(slice, contacts->names[k], contacts->points[k], f_seen, own_couple);
-    slice_turned(slice->rotation, own_couple, couple);
-    slice_sliding(slice, contact_object(problem, contacts->objects[k]), d + problem->ahead[contacts->objects[k]], contacts, k, from);
-    for (int column = 0; column < SLICE_INPUTS; column++) {
-        const int moving = column / W;
-        const chain_body *mover = at->chain.bodies + slice->bodies[moving];
-        double v[3], turn[3], ds[3], slice_v[3], slice_t[3], seen[W], dp[3], dn[3], df[3], dx[3], arm[3], by_turn[3], local[W] = {0.0};
-        /* unit motion of one end's body moves the slice by N v + t x g and turns it by N t, at its middle */
-        moved_by(slice, mover, moving, column % W, v, turn, ds);
-        objects_cross(turn, centres[moving], slice_v);
-        for (int i = 0; i < 3; i++) {
-            slice_v[i] += middle.n[moving] * v[i];
-            slice_t[i] = middle.n[moving] * turn[i];
-        }
-        /* slide dp of the point, and change dn of the normal: as seen from the slice, plus its turn */
-        objects_turned_back(slice->rotation, slice_v, seen);
-        objects_turned_back(slice->rotation, slice_t, seen + 3);
-        for (int i = 0; i < W; i++)
-            for (int m = 0; m < W; m++) local[i] += from[i][m] * seen[m];
-        slice_turned(slice->rotation, local, dp);
-        slice_turned(slice->rotation, local + 3, dn);
-        objects_cross(slice_t, n, by_turn);
-        for (int i = 0; i < 3; i++) dn[i] += by_turn[i];
-        /* the force turns with the normal: df = (f . n) dn - (f . dn) n; the point moves by dx */
-        for (int i = 0; i < 3; i++) df[i] = objects_dot(f, n) * dn[i] - objects_dot(f, dn) * n[i];
-        for (int i = 0; i < 3; i++) arm[i] = x[i] - slice->centre[i];
-        objects_cross(slice_t, arm, by_turn);
-        for (int i = 0; i < 3; i++) dx[i] = slice_v[i] + by_turn[i] + dp[i];
-        double df_seen[3], by_point[3], by_force[3], dc[3];
-        /* change dc of the couple: by the force and by the point, both seen from the slice, and by its turn */
-        objects_cross(slice_t, f, by_turn);
-        for (int i = 0; i < 3; i++) by_turn[i] = df[i] - by_turn[i];
-        objects_turned_back(slice->rotation, by_turn, df_seen);
-        couple_of(slice, contacts->names[k], contacts->points[k], df_seen, by_force);
-        couple_change(slice, contacts->names[k], contacts->points[k], local, f_seen, by_point);
-        for (int i = 0; i < 3; i++) by_force[i] += by_point[i];
-        slice_turned(slice->rotation, by_force, dc);
-        objects_cross(slice_t, couple, by_turn);
-        for (int i = 0; i < 3; i++) dc[i] += by_turn[i];
-        /* da: change of the share as the point slides along the element */
-        const double da = local[0] / slice->length;
-        for (int end = 0; end < SLICE_ENDS; end++) {
-            const chain_body *body = at->chain.bodies + slice->bodies[end];
-            const double own = end == moving, sign = end ? -1.0 : 1.0, share = moving ? 1.0 - here.share : here.share;
-            double force[3], moment[3], dg[3], one[3], two[3];
-            for (int i = 0; i < 3; i++) {
-                /* m and its change dm; then dg, and d(N f) = dN f + N df, for this end */
-                const double m = here.share * s[i] + (1.0 - here.share) * t[i], dm = da * (s[i] - t[i]) + share * ds[i];
-                dg[i] = here.dn[end] * da * (x[i] - m + slice->ends[end][i] - body->centre[i]) +
-                        here.n[end] * (dx[i] - dm + own * (ds[i] - v[i])) +
-                        sign * (here.du[end] * da * (t[i] - s[i]) + here.u[end] * (moving ? ds[i] : -ds[i]));
-                force[i] = here.dn[end] * da * f[i] + here.n[end] * df[i];
-            }
-            /* d(g x f +- couple) = dg x f + g x df +- dc */
-            objects_cross(dg, f, one);
-            objects_cross(g[end], df, two);
-            for (int i = 0; i < 3; i++) moment[i] = one[i] + two[i] + sign * dc[i];
-            if (own) {
-                /* the end's own frame turns by t: minus t x (N f) and t x (g x f +- couple) */
-                double back[3];
-                objects_cross(turn, f, back);
-                for (int i = 0; i < 3; i++) force[i] -= here.n[end] * back[i];
-                objects_cross(g[end], f, one);
-                for (int i = 0; i < 3; i++) one[i] += sign * couple[i];
-                objects_cross(turn, one, back);
-                for (int i = 0; i < 3; i++) moment[i] -= back[i];
-            }
-            /* column of the result, in the frame of this end's body */
-            double row[W];
-            objects_turned_back(body->rotation, force, row);
-            objects_turned_back(body->rotation, moment, row + 3);
-            for (int i = 0; i < W; i++) change[W * end + i][column] = row[i];
-        }
-    }
-}
+/* A force f, along the normal or not, at contact k of a slice: what its changes need, all in space. */
+typedef struct {
+    slice_beam here;
+    double x[3], n[3], f[3], f_seen[3], couple[3], g[SLICE_ENDS][3]; /* seen from the slice, too */
+} pressed_beam;

@@ -17,10 +17,35 @@ enum { SLICE_EDGE = 0, SLICE_AROUND = 3 };
 #define SLICE_SLOPE 1e-9 /* converged: slope of the gap over the slice's thickness [-] */
 #define SLICE_FADE 5e-3  /* of half the side: a point so much nearer than the edges beside it is twice as compliant [-] */
 
+/* A bracket of the root of a slope that grows with a coordinate, and which end moved last, for the Illinois method (Dowell and Jarratt 1971). */
+typedef struct {
+    double ends[2], slopes[2];
+    int last;
+} slice_bracket;
+
+/* The secant's root in a bracket. */
+static inline double slice_between(const slice_bracket *bracket)
+{
+    const double *ends = bracket->ends, *slopes = bracket->slopes;
+    return (ends[0] * slopes[1] - ends[1] * slopes[0]) / (slopes[1] - slopes[0]);
+}
+
+/* Move one end to a point between; an end that stays twice has its slope halved. Returns the distance. */
+static inline double slice_narrow(slice_bracket *bracket, double at, double slope)
+{
+    const int side = slope > 0.0;
+    const double moved = fabs(bracket->ends[side] - at);
+    bracket->ends[side] = at;
+    bracket->slopes[side] = slope;
+    if (side == bracket->last) bracket->slopes[!side] *= 0.5;
+    bracket->last = side;
+    return moved;
+}
+
 /* Gap and slopes at a point. Edges and faces count as slightly domed, so that of flush ones the middle is closest. */
 void slice_look(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point);
 
-/* The closest point along x, at its other coordinates. */
+/* The closest point along x, at its other coordinates, from where the point is. */
 void slice_nearest_along(const rubber_slice *slice, const fingerfem_object *object, double d, near_point *point);
 
 /* The closest point around the outline from where the point is, at its x, or, if `along`, with x that is nearest. */

@@ -84,17 +84,15 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
 }
 
 /* A bound by convexity: the distance from a convex body is nowhere below its tangent at the slice's middle. */
-double slices_least_gap(const fingerfem_segment *segment, const double *points, int place, const fingerfem_object *object, double d)
+double slices_least_gap(double (*begin)[3], double (*end)[3], const fingerfem_object *object, double d)
 {
-    double at[2 * OUTLINE_CORNERS][3], centre[3] = {0.0}, normal[3], least = INFINITY;
-    /* corners of both sections, and their mean c */
-    rubber_between(segment, points, place, at);
-    rubber_between(segment, points, place + 1, at + OUTLINE_CORNERS);
-    for (int k = 0; k < 2 * OUTLINE_CORNERS; k++)
-        for (int i = 0; i < 3; i++) centre[i] += at[k][i] / (2 * OUTLINE_CORNERS);
+    double centre[3] = {0.0}, normal[3], least = INFINITY;
+    /* mean c of all corners */
+    for (int k = 0; k < OUTLINE_CORNERS; k++)
+        for (int i = 0; i < 3; i++) centre[i] += (begin[k][i] + end[k][i]) / (2 * OUTLINE_CORNERS);
     /* min over the corners x of the tangent plane g(c) + n . (x - c) */
     const double gap = objects_distance(object, d, centre, normal) - objects_dot(normal, centre);
-    for (int k = 0; k < 2 * OUTLINE_CORNERS; k++) least = fmin(least, gap + objects_dot(normal, at[k]));
+    for (int k = 0; k < OUTLINE_CORNERS; k++) least = fmin(least, gap + fmin(objects_dot(normal, begin[k]), objects_dot(normal, end[k])));
     return least;
 }
 
@@ -222,23 +220,25 @@ static double rubber_length(const fingerfem_segment *segment)
     return found;
 }
 
-void slices_make(const chain_rods *map, const chain_state *state, int q, const double *points, int place, rubber_slice *found)
+void slices_make(const chain_rods *map, const chain_state *state, int q, double (*begin)[3], double (*end)[3], int place, rubber_slice *found)
 {
     const fingerfem_segment *segment = map->chain->segments[q];
-    double at[2][OUTLINE_CORNERS][3], axes[3][3] = {{0.0}}, rotation[9];
-    /* corners of both sections, and the bulges of their faces */
-    rubber_between(segment, points, place, at[0]);
-    rubber_between(segment, points, place + 1, at[1]);
-    for (int end = 0; end < 2; end++) bulges_of(segment, at[end], found->bulges[end]);
-    /* corners in the order of bits (end, y, z), their mean, and the mean edges along x, y and z */
-    memset(found->centre, 0, sizeof found->centre);
-    for (int k = 0; k < SLICE_CORNERS; k++) {
-        memcpy(found->corners[k], at[k & 1][(k & 2) | k >> 2], sizeof found->corners[k]);
-        for (int i = 0; i < 3; i++) {
-            found->centre[i] += found->corners[k][i] / SLICE_CORNERS;
-            for (int j = 0; j < 3; j++) axes[j][i] += (k >> j & 1 ? 0.25 : -0.25) * found->corners[k][i];
-        }
-    }
+    double axes[3][3], rotation[9];
+    bulges_of(segment, begin, found->bulges[0]);
+    bulges_of(segment, end, found->bulges[1]);
+    /* corners in the order of bits (end, y, z), and along every coordinate the mean of both ends, and half their difference */
+    for (int k = 0; k < SLICE_TERMS; k++) memcpy(found->shape[k], (k & 1 ? end : begin)[(k & 2) | k >> 2], sizeof found->shape[k]);
+    for (int bit = 1; bit < SLICE_TERMS; bit *= 2)
+        for (int k = 0; k < SLICE_TERMS; k++)
+            for (int i = 0; i < 3 && !(k & bit); i++) {
+                const double from = found->shape[k][i], to = found->shape[k | bit][i];
+                found->shape[k][i] = 0.5 * (from + to);
+                found->shape[k | bit][i] = 0.5 * (to - from);
+            }
+    /* mean of the corners, and mean edges along x, y and z */
+    memcpy(found->centre, found->shape[0], sizeof found->centre);
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) axes[j][i] = 2.0 * found->shape[1 << j][i];
     /* height of ridges here: factor a^2 / (a^2 + NEAR_END), a = distance from the nearer end / half the side */
     const double share = fmin(place + 0.5, segment->places - 1.5 - place) / (segment->places - 1);
     const double away = share * rubber_length(segment) / segment->half_lengths[1];
@@ -264,13 +264,17 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, const d
     found->share = segment->place_shares[place];
     found->length = segment->element_lengths[found->element];
     found->modulus = segment->element_moduli[found->element];
+    found->root = sqrt(found->modulus);
     found->bulging = segment->poisson / found->length;
     const double size = segment->begins + (1.0 - segment->begins) * (place + 0.5) / (segment->places - 1);
     const double sides[2] = {segment->depths[0] * size, segment->depths[1] * size};
     found->slender = SLENDER * (sides[0] / found->length) * (sides[1] / found->length);
-    for (int i = 0; i < 2; i++) found->stiffness[i] = found->modulus * segment->young_modulus * sides[i] * sides[i] * sides[i] * sides[i] / 12.0;
+    for (int i = 0; i < 2; i++) {
+        const double square = sides[i] * sides[i], bending = found->modulus * segment->young_modulus * square * square / 12.0;
+        found->flexibility[i] = found->length * found->length * found->length / bending;
+    }
     /* centres of the sections where its element begins and ends */
-    for (int end = 0; end < SLICE_ENDS; end++) slices_section(map, state, q, found->element + end, found->ends[end], rotation);
+    for (int k = 0; k < SLICE_ENDS; k++) slices_section(map, state, q, found->element + k, found->ends[k], rotation);
 }
 
 double slices_bulge_at(const rubber_slice *slice, int across, const double *at)
@@ -282,25 +286,13 @@ double slices_bulge_at(const rubber_slice *slice, int across, const double *at)
 
 void slices_at(const rubber_slice *slice, const double *at, double *x, double (*t)[3])
 {
-    double weights[3][2];
-    memset(x, 0, 3 * sizeof *x);
-    memset(t, 0, 9 * sizeof **t);
-    /* linear weights of both ends of every coordinate */
-    for (int j = 0; j < 3; j++) {
-        weights[j][0] = 0.5 * (1.0 - at[j]);
-        weights[j][1] = 0.5 * (1.0 + at[j]);
-    }
-    /* x = sum_k N_k x_k and t_j = dx / d at_j, trilinear between the corners */
-    for (int k = 0; k < SLICE_CORNERS; k++) {
-        const int a = k & 1, b = k >> 1 & 1, c = k >> 2;
-        const double one = weights[0][a], two = weights[1][b], three = weights[2][c];
-        for (int i = 0; i < 3; i++) {
-            const double own = slice->corners[k][i];
-            x[i] += one * two * three * own;
-            t[0][i] += (a ? 0.5 : -0.5) * two * three * own;
-            t[1][i] += (b ? 0.5 : -0.5) * one * three * own;
-            t[2][i] += (c ? 0.5 : -0.5) * one * two * own;
-        }
+    const double a = at[0], b = at[1], c = at[2], (*s)[3] = slice->shape;
+    /* x and t_j = dx / d at_j, trilinear between the corners */
+    for (int i = 0; i < 3; i++) {
+        t[0][i] = s[1][i] + b * s[3][i] + c * s[5][i] + b * c * s[7][i];
+        t[1][i] = s[2][i] + a * s[3][i] + c * s[6][i] + a * c * s[7][i];
+        t[2][i] = s[4][i] + a * s[5][i] + b * s[6][i] + a * b * s[7][i];
+        x[i] = s[0][i] + b * s[2][i] + c * s[4][i] + b * c * s[6][i] + a * t[0][i];
     }
     /* bulges: the surface moves along y by chi_y times its shape, and likewise along z */
     double shapes[2], slopes[2][2];

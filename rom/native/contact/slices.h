@@ -25,11 +25,12 @@ int slices_near(const chain_rods *map, const chain_state *state, int segment, co
 /* Corners of the knots of such elements in space, (knots, 4, 3) [m], in the rod's work. */
 const double *slices_corners(const chain_rods *map, const chain_state *state, int segment, int free, const unsigned char *near);
 
-/* A gap that no point of the slice at a place is below, before an object at d [m]. */
-double slices_least_gap(const fingerfem_segment *segment, const double *points, int place, const fingerfem_object *object, double d);
+/* A gap that no point between two sections is below, by their corners, before an object at d [m]. */
+double slices_least_gap(double (*begin)[3], double (*end)[3], const fingerfem_object *object, double d);
 
-/* The slice at a place, from these; without its bodies. */
-void slices_make(const chain_rods *map, const chain_state *state, int segment, const double *points, int place, rubber_slice *found);
+/* The slice at a place, from the corners of its sections; without its bodies. */
+void slices_make(const chain_rods *map, const chain_state *state, int segment, double (*begin)[3], double (*end)[3], int place,
+                 rubber_slice *found);
 
 /* The contacts of an object at d with a slice, of which the gaps are below `near` [m]. */
 void slices_find(const rubber_slice *slice, const fingerfem_object *object, double d, double near, objects_contacts *all);

@@ -38,7 +38,7 @@ static double rubber_place(const contact_problem *problem, const contact_state *
         const double force = state->forces[k];
         if (!(force > 0.0)) continue;
         all += force;
-        if (state->at.arms[k].count > 1) sum += force * (rubber_off(problem, &state->at, k) + INDENTED * (state->at.contacts.lifts[k] + response_indentation(problem, &state->at, state->forces, k)));
+        if (state->at.arms[k].count > 1) sum += force * (rubber_off(problem, &state->at, k) + INDENTED * (state->at.contacts.lifts[k] + response_indentation(&state->at, state->forces, k)));
     }
     return all > 0.0 ? sum / all : 0.0;
 }
@@ -57,7 +57,7 @@ void report_errors(const contact_problem *problem, const contact_state *state, c
         reported_change all;
         for (int i = 0; i < contact_size(problem); i++)
             drift[i] = state->at.chain.bodies[i / W].motion[i % W][contact_size(problem) + v];
-        if (!report_change(problem, state, -1, drift, still, &all, found)) known = INFINITY;
+        if (!answer_change(problem, state, -1, drift, still, &all, found)) known = INFINITY;
         memcpy(tip + 3 * v, found, 3 * sizeof *tip);
         for (int j = 0; j < m; j++) force[j][v] = found[3 + j];
     }

@@ -2,15 +2,7 @@
  * derivatives. */
 #ifndef FINGERFEM_TOUCH_ERRORS_H
 #define FINGERFEM_TOUCH_ERRORS_H
-#include "reported.h"
-#include "response.h"
-#include "rubber.h"
-
-/* How the tip and the force of every object change, (3 + count), and the plates and wrenches, `all`, with what moves the plates by
- * `drift` at fixed wrenches and bends them besides, or, without `bends`, moves them relative to the object `only`, see
- * response_follow. Returns 0 if nothing is known of it. */
-int report_change(const contact_problem *problem, const contact_state *state, int only, const double *drift, const double *bends,
-                  reported_change *all, double *found);
+#include "answer.h"
 
 /* Estimated error of the touch distance of object j, of free plates whose motions by the variants are known. A point of the
  * rubber that touches first counts as the plate's; what is known of the surface there is added. */

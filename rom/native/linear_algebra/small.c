@@ -26,7 +26,7 @@ int small_factorise(int size, int stride, double *matrix, int *exchanged)
         /* L below the diagonal, U above it, and the inverse of its diagonal */
         own[k] = 1.0 / own[k];
         for (int i = k + 1; i < size; i++) {
-            double *row = matrix + stride * i;
+            double *restrict row = matrix + stride * i;
             const double factor = row[k] *= own[k];
             for (int j = k + 1; j < size; j++) row[j] -= factor * own[j];
         }
@@ -51,6 +51,31 @@ void small_substitute(int size, int stride, const double *factors, const int *ex
         double sum = 0.0;
         for (int j = i + 1; j < size; j++) sum += factors[stride * i + j] * right[j];
         right[i] = (right[i] - sum) * factors[stride * i + i];
+    }
+}
+
+/* row -= sum_j factors_j rows_j over j = first ... last - 1. */
+static void subtract(int first, int last, const double *factors, small_columns *rows, double *row)
+{
+    small_columns own;
+    memcpy(own, row, sizeof own);
+    for (int j = first; j < last; j++)
+        for (int c = 0; c < SMALL_COLUMNS; c++) own[c] -= factors[j] * rows[j][c];
+    memcpy(row, own, sizeof own);
+}
+
+void small_substitute_columns(int size, int stride, const double *factors, const int *exchanged, small_columns *right)
+{
+    for (int k = 0; k < size; k++) {
+        small_columns swap;
+        memcpy(swap, right[k], sizeof swap);
+        memcpy(right[k], right[exchanged[k]], sizeof swap);
+        memcpy(right[exchanged[k]], swap, sizeof swap);
+    }
+    for (int i = 1; i < size; i++) subtract(0, i, factors + stride * i, right, right[i]);
+    for (int i = size - 1; i >= 0; i--) {
+        subtract(i + 1, size, factors + stride * i, right, right[i]);
+        for (int c = 0; c < SMALL_COLUMNS; c++) right[i][c] *= factors[stride * i + i];
     }
 }
 

@@ -41,6 +41,11 @@ int small_solve(int size, double *matrix, int columns, double *right);
 int small_factorise(int size, int stride, double *matrix, int *exchanged);
 void small_substitute(int size, int stride, const double *factors, const int *exchanged, double *right);
 
+/* The same of several right sides, (size). */
+enum { SMALL_COLUMNS = 8 };
+typedef double small_columns[SMALL_COLUMNS];
+void small_substitute_columns(int size, int stride, const double *factors, const int *exchanged, small_columns *right);
+
 /* Number of negative eigenvalues of a matrix's symmetric part, by the signs of its pivots (Sylvester); it is spoilt. */
 int small_negative(int size, double *matrix);
 

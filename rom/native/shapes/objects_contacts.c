@@ -23,7 +23,7 @@ static void put(objects_contacts *all, int at, int name, const objects_feature *
 {
     /* identity, and what only rubber has; see objects_note_rubber */
     all->plates[at] = all->plate;
-    all->segments[at] = -1;
+    all->slices[at] = -1;
     all->domes[at] = all->lifts[at] = 0.0;
     all->shares[at] = 1.0;
     all->profiles[at] = (indentation_profile){.rise = 0.0};
@@ -56,18 +56,11 @@ int objects_note_rubber(objects_contacts *all, int name, double gap, const doubl
     if (at < 0) return at;
     put(all, at, name, &none, gap, p, n);
     memcpy(all->material[at], material, sizeof(vector));
-    all->segments[at] = all->segment;
+    all->slices[at] = all->slice;
     all->domes[at] = dome;
     all->profiles[at] = *profile;
     all->compliance[at] = compliance;
     return at;
-}
-
-int objects_any_of(const objects_contacts *contacts, int plate)
-{
-    int any = 0;
-    for (int k = 0; k < contacts->count; k++) any |= contacts->plates[k] == plate;
-    return any;
 }
 
 void objects_copy(const objects_contacts *from, int j, objects_contacts *to, int k)

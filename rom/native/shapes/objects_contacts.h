@@ -22,11 +22,11 @@ typedef struct {
 
 /* Contacts that may be. */
 typedef struct {
-    int count, plate, segment, object; /* contacts are being found of this plate, or slice of rubber of a segment, with this object */
+    int count, plate, slice, object; /* contacts are being found of this plate, or slice of rubber, with this object */
     double half_lengths[3];
     int plates[FINGERFEM_MOST_CONTACTS];                        /* of which plate, or slice */
     int objects[FINGERFEM_MOST_CONTACTS];                       /* with which object */
-    int segments[FINGERFEM_MOST_CONTACTS];                      /* of which the slice is; -1 for a plate */
+    int slices[FINGERFEM_MOST_CONTACTS];                        /* index of the slice among those that have contacts; -1 for a plate */
     int names[FINGERFEM_MOST_CONTACTS];                         /* the same wherever the plate is */
     double halves[FINGERFEM_MOST_CONTACTS][3];                  /* lengths of that [m] */
     objects_feature features[FINGERFEM_MOST_CONTACTS];
@@ -73,9 +73,6 @@ int objects_note(objects_contacts *all, int name, const objects_feature *feature
  * -1 if there is no room. */
 int objects_note_rubber(objects_contacts *all, int name, double gap, const double *material, double compliance, double dome,
                         const indentation_profile *profile, const double *p, const double *n);
-
-/* Whether there are contacts of a plate, or slice. */
-int objects_any_of(const objects_contacts *contacts, int plate);
 
 /* Contact j of some in place of contact k of others, but for how far that is off. */
 void objects_copy(const objects_contacts *from, int j, objects_contacts *to, int k);

@@ -226,9 +226,9 @@ def loads(compiled: Any, wrenches: np.ndarray) -> np.ndarray:
         compiled: the struct.
         wrenches: such loads, or on the plates alone, shape (n, 6) [N, N m].
     """
-    found = np.zeros(LIBRARY.functions.fingerfem_chain_loads(compiled))
-    found[: wrenches.size] = wrenches.ravel()
-    return found
+    values = np.zeros(LIBRARY.functions.fingerfem_chain_loads(compiled))
+    values[: wrenches.size] = wrenches.ravel()
+    return values
 
 
 def place_chain(

@@ -31,9 +31,9 @@ def free_numbers(monomials: np.ndarray, powers: np.ndarray, coefficients: np.nda
     t = monomials.shape[1]
     row = {tuple(one): k for k, one in enumerate(monomials.tolist())}
     of = np.array([row[tuple(one)] for one in powers[:, :t].tolist()], int)
-    found = np.zeros((of.max(initial=-1) + 1, coefficients.shape[1]))
-    np.add.at(found, of, at_rest(powers[:, t:])[:, None] * coefficients.astype(float))
-    return found
+    free = np.zeros((of.max(initial=-1) + 1, coefficients.shape[1]))
+    np.add.at(free, of, at_rest(powers[:, t:])[:, None] * coefficients.astype(float))
+    return free
 
 
 def places_between(knots: np.ndarray, lengths: np.ndarray) -> dict[str, Any]:
@@ -213,11 +213,11 @@ def _by_rows(polynomial: Polynomial, rows: list[tuple[int, ...]], monomials: np.
     """Coefficients of every product of the wrench by the places of the tensions' monomials."""
     t = monomials.shape[1]
     row, column = ({tuple(one): k for k, one in enumerate(keys)} for keys in (rows, monomials.tolist()))
-    found: list[dict[int, np.ndarray]] = [{} for _ in rows]
+    products: list[dict[int, np.ndarray]] = [{} for _ in rows]
     for power, values in zip(polynomial.powers.tolist(), polynomial.coefficients, strict=True):
-        one, m = found[row[tuple(power[t:])]], column[tuple(power[:t])]
+        one, m = products[row[tuple(power[t:])]], column[tuple(power[:t])]
         one[m] = one.get(m, 0.0) + values
-    return found
+    return products
 
 
 def _fours(places: list[int]) -> list[list[int]]:
@@ -226,8 +226,8 @@ def _fours(places: list[int]) -> list[list[int]]:
 
 def _block(groups: list[dict[int, np.ndarray]], monomials: int) -> np.ndarray:
     """Coefficients of a block, shape (monomials, BLOCK, 6)."""
-    found = np.zeros((monomials, BLOCK, 6))
+    block = np.zeros((monomials, BLOCK, 6))
     for g, one in enumerate(groups):
         for m, values in one.items():
-            found[m, g] = values
-    return found
+            block[m, g] = values
+    return block

@@ -77,8 +77,8 @@ def find_contacts(
 
     def numbers(name: str, most: int, shape: tuple[int, ...] = ()) -> np.ndarray:
         kind = np.int32 if name in ("loads", "parts", "names", "segments", "rubber", "on") else float
-        found = np.frombuffer(LIBRARY.ffi.buffer(getattr(compiled, name)), kind)
-        return found[: most * int(np.prod(shape))].reshape(most, *shape).copy()  # the struct may go before it
+        values = np.frombuffer(LIBRARY.ffi.buffer(getattr(compiled, name)), kind)
+        return values[: most * int(np.prod(shape))].reshape(most, *shape).copy()  # the struct may go before it
 
     bodies = numbers("on", m, (ENDS,))
     on = np.where(bodies[..., None] < 0, 6 * count, 6 * bodies[..., None] + np.arange(6)).reshape(m, 6 * ENDS)

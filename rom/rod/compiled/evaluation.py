@@ -47,8 +47,8 @@ def sections(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> list[
     -y z, y -z and y z. None if a segment has no outlines of its rubber.
     """
     counts = [compiled.segments[k].places + ENDS for k in range(compiled.plates)]
-    found = np.empty((sum(counts), 4, 3))
+    corners = np.empty((sum(counts), 4, 3))
     given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
-    if not LIBRARY.functions.fingerfem_chain_sections(compiled, *given, memory_of(compiled), pointer(found)):
+    if not LIBRARY.functions.fingerfem_chain_sections(compiled, *given, memory_of(compiled), pointer(corners)):
         return None
-    return np.split(found, np.cumsum(counts)[:-1])
+    return np.split(corners, np.cumsum(counts)[:-1])

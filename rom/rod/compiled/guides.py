@@ -107,12 +107,12 @@ def elements(
     `gravity` is the acceleration by weight on a moving base, shape (3,) [m/s^2]; the chain's own if None.
     """
     shape = arrays.tensions.shape
-    found = GuidedElements(np.empty(shape), np.empty(shape), np.empty(shape[0]))
+    result = GuidedElements(np.empty(shape), np.empty(shape), np.empty(shape[0]))
     memory = np.empty(LIBRARY.functions.fingerfem_guides_memory(touching.chain))
     weight = LIBRARY.ffi.NULL if gravity is None else pointer(np.array(gravity, float))
     given = (np.array(motors, float), np.array(loads, float), memory)
-    LIBRARY.functions.fingerfem_guides_elements(touching.chain, weight, *map(pointer, given), *map(pointer, found))
-    return found
+    LIBRARY.functions.fingerfem_guides_elements(touching.chain, weight, *map(pointer, given), *map(pointer, result))
+    return result
 
 
 @brief

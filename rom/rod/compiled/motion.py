@@ -95,11 +95,11 @@ class Stepper:
         Returns:
             None without an equilibrium.
         """
-        found = np.empty((2, 6 * self._bodies, 6 * self._bodies))
+        matrices = np.empty((2, 6 * self._bodies, 6 * self._bodies))
         given = (np.array(one, float) for one in (point, loads))
-        arguments = *map(pointer, given), self._memory, *map(pointer, found)
+        arguments = *map(pointer, given), self._memory, *map(pointer, matrices)
         known = LIBRARY.functions.fingerfem_linearise(self._touching, self._with_mass, *arguments)
-        return (found[0], found[1]) if known else None
+        return (matrices[0], matrices[1]) if known else None
 
     def step(
         self,

@@ -35,10 +35,10 @@ class Reports(NamedTuple):
     @property
     def struct(self) -> Any:
         """A struct fingerfem_report of these arrays, which must outlive it."""
-        found = LIBRARY.ffi.new("fingerfem_report *")
+        struct = LIBRARY.ffi.new("fingerfem_report *")
         for name, array in zip(("rows", "jacobian", "errors"), self, strict=True):
-            setattr(found, name, pointer(array))
-        return found
+            setattr(struct, name, pointer(array))
+        return struct
 
 
 def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -53,12 +53,12 @@ def shortenings(compiled: Any, tensions: np.ndarray, wrenches: np.ndarray) -> tu
         both; derivatives by tensions, then wrenches, have shape (t, t + 6 n).
     """
     t = len(tensions)
-    found, changes = np.empty(t), np.empty((t, t + 6 * compiled.plates))
+    values, changes = np.empty(t), np.empty((t, t + 6 * compiled.plates))
     given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
     LIBRARY.functions.fingerfem_chain_shortenings(
-        compiled, *given, memory_of(compiled), pointer(found), pointer(changes)
+        compiled, *given, memory_of(compiled), pointer(values), pointer(changes)
     )
-    return found, changes
+    return values, changes
 
 
 def shortenings_by_force(
@@ -77,12 +77,12 @@ def shortenings_by_force(
         all inputs are inside.
     """
     t = len(tensions)
-    found, changes = np.empty(t), np.empty((t, t + 3))
+    values, changes = np.empty(t), np.empty((t, t + 3))
     pulled, pressing = (np.ascontiguousarray(one, float) for one in (tensions, force))
     inside = LIBRARY.functions.fingerfem_chain_point_force(
-        compiled, pointer(pulled), position, pointer(pressing), memory_of(compiled), pointer(found), pointer(changes)
+        compiled, pointer(pulled), position, pointer(pressing), memory_of(compiled), pointer(values), pointer(changes)
     )
-    return found, changes, bool(inside)
+    return values, changes, bool(inside)
 
 
 def elements(
@@ -95,8 +95,8 @@ def elements(
         wrenches that they transmit, in these frames, shape (m, 6) [N, N m].
     """
     counts = [compiled.segments[k].elements for k in range(compiled.plates)]
-    found = [np.empty((sum(counts), *shape)) for shape in ((3,), (3, 3), (6,))]
+    arrays = [np.empty((sum(counts), *shape)) for shape in ((3,), (3, 3), (6,))]
     given = [pointer(np.ascontiguousarray(one, float)) for one in (tensions, loads(compiled, wrenches))]
-    LIBRARY.functions.fingerfem_chain_elements(compiled, *given, memory_of(compiled), *map(pointer, found))
+    LIBRARY.functions.fingerfem_chain_elements(compiled, *given, memory_of(compiled), *map(pointer, arrays))
     ends = np.cumsum(counts)[:-1]
-    return list(zip(*(np.split(one, ends) for one in found), strict=True))
+    return list(zip(*(np.split(one, ends) for one in arrays), strict=True))

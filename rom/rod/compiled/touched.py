@@ -64,7 +64,7 @@ def touches(touching: Any, points: np.ndarray, loads: np.ndarray | None = None, 
     if loads is not None:
         begun[:, : loads.shape[1]] = loads
     counts, moved = np.empty((2, n), np.int32), np.empty((n, rows, 6 * m)) if by_object else None
-    found = Touched(
+    touched = Touched(
         np.empty((n, rows)),
         np.empty((n, rows, p)),
         moved,
@@ -75,10 +75,10 @@ def touches(touching: Any, points: np.ndarray, loads: np.ndarray | None = None, 
         touching.chain.plates,
     )
     kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]",)
-    parts = zip(found[:-1], kinds, strict=True)
+    parts = zip(touched[:-1], kinds, strict=True)
     given = [LIBRARY.ffi.NULL if part is None else pointer(part, kind) for part, kind in parts]
     LIBRARY.functions.fingerfem_touches(touching, n, pointer(points), memory_of(touching.chain), *given)
-    return found._replace(inside=found.inside.astype(bool))
+    return touched._replace(inside=touched.inside.astype(bool))
 
 
 @brief
@@ -110,10 +110,10 @@ def pressing(touching: Any, point: np.ndarray) -> PressingContacts:
     LIBRARY.functions.fingerfem_touch_pressing(touching, at, memory_of(touching.chain), loads, compiled)
     shapes: dict[str, tuple[type, tuple[int, ...]]] = dict.fromkeys(("plates", "objects", "rubber"), (np.int32, ()))
     shapes |= {"places": (float, (3,)), "normals": (float, (3,)), "forces": (float, ())}
-    found: dict[str, np.ndarray] = {
+    contacts: dict[str, np.ndarray] = {
         name: np.frombuffer(LIBRARY.ffi.buffer(getattr(compiled, name)), kind)
         .reshape(-1, *shape)[: compiled.count]
         .copy()
         for name, (kind, shape) in shapes.items()
     }
-    return PressingContacts(**found | {"rubber": found["rubber"].astype(bool)})
+    return PressingContacts(**contacts | {"rubber": contacts["rubber"].astype(bool)})

@@ -127,20 +127,20 @@ def _reach(
     model: TouchedSegment, last: Resting, goal: Loads, friction: float, halvings: int
 ) -> tuple[Resting | None, Resting, float]:
     """The equilibrium at a goal, the last one on the way to it, and what was dissipated, in as many parts as needed."""
-    found = advance(model, last, goal, friction)
-    if found is None and not halvings:
-        found = advance(model, last, goal, friction, by_steps=True)
-    if found is not None:
-        way = np.linalg.norm(found.contacts.centres - last.contacts.centres, axis=1).max()
+    reached = advance(model, last, goal, friction)
+    if reached is None and not halvings:
+        reached = advance(model, last, goal, friction, by_steps=True)
+    if reached is not None:
+        way = np.linalg.norm(reached.contacts.centres - last.contacts.centres, axis=1).max()
         if way > (SUSPECT if halvings else JUMP) * _pushed(model, last.loads, goal) + NEAR:
-            found = None
-    if found is not None or not halvings:
-        return found, found or last, 0.0 if found is None else found.dissipated
+            reached = None
+    if reached is not None or not halvings:
+        return reached, reached or last, 0.0 if reached is None else reached.dissipated
     between, last, first = _reach(model, last, last.loads.towards(goal, 0.5), friction, halvings - 1)
     if between is None:
         return None, last, first
-    found, last, second = _reach(model, between, goal, friction, halvings - 1)
-    return found, last, first + second
+    reached, last, second = _reach(model, between, goal, friction, halvings - 1)
+    return reached, last, first + second
 
 
 def _report(model: TouchedSegment, state: Resting | None, dissipated: float, known: bool) -> FrictionState:
@@ -155,7 +155,7 @@ def _report(model: TouchedSegment, state: Resting | None, dissipated: float, kno
             dissipated=np.nan,
         )
     contacts = state.contacts
-    found = [
+    forces = [
         ContactForce(
             int(contacts.segments[k]),
             contacts.places[k],
@@ -166,13 +166,13 @@ def _report(model: TouchedSegment, state: Resting | None, dissipated: float, kno
         )
         for k in np.flatnonzero(state.states != OPEN)
     ]
-    force = np.sum([one.force for one in found], axis=0) if found else np.zeros(3)
+    force = np.sum([one.force for one in forces], axis=0) if forces else np.zeros(3)
     return FrictionState(
         status="converged" if known and _is_known(model, state) else "out_of_domain",
         tip=contacts.centres[-1] - model.rod.rest,
         force=force,
         contact_force=float(-force @ model.direction),
-        contacts=found,
+        contacts=forces,
         dissipated=dissipated,
     )
 

@@ -96,11 +96,11 @@ def advance(
     Slip is that of the finger's points that touch at the increment's end, relative to the object. By steps, the
     friction grows from none: where Newton's method would go round in circles.
     """
-    found: Resting | None = last
+    reached: Resting | None = last
     for share in SHARES if by_steps else (1.0,):
-        if found is not None:
-            found = _solve(model, last, loads, share * friction, found)
-    return found
+        if reached is not None:
+            reached = _solve(model, last, loads, share * friction, reached)
+    return reached
 
 
 def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, begun: Resting) -> Resting | None:
@@ -112,22 +112,22 @@ def _solve(model: TouchedSegment, last: Resting, loads: Loads, friction: float, 
     for _ in range(ITERATIONS):
         if not all(np.abs(one).max(initial=0.0) < DIVERGED for one in (wrenches, at.motions, at.arms, at.gaps, parts)):
             return None
-        found = _law(model, last, loads, at, parts, friction)
+        law = _law(model, last, loads, at, parts, friction)
         # A moment counts by the force that half a plate's length away makes it.
         scale = np.tile([1.0] * 3 + [1 / model.rod.half_lengths.max()] * 3, len(at.bodies))
         balance = wrenches.reshape(-1, 6)[at.bodies].ravel() - at.arms @ parts.ravel()
-        residual = np.concatenate([balance, found.residuals.ravel()])
-        if max(np.abs(scale * balance).max(), np.abs(found.residuals).max(initial=0.0)) < TOLERANCE:
+        residual = np.concatenate([balance, law.residuals.ravel()])
+        if max(np.abs(scale * balance).max(), np.abs(law.residuals).max(initial=0.0)) < TOLERANCE:
             return Resting(
                 loads=loads,
                 wrenches=wrenches,
                 contacts=at,
                 forces=_forces(at, parts),
-                states=found.states,
-                dissipated=-float(np.sum(parts[:, 1:] * found.slips)),
+                states=law.states,
+                dissipated=-float(np.sum(parts[:, 1:] * law.slips)),
             )
         try:
-            change = np.linalg.solve(_jacobian(at, found, parts), -residual)
+            change = np.linalg.solve(_jacobian(at, law, parts), -residual)
         except np.linalg.LinAlgError:
             return None
         touched = np.abs(at.arms).max(axis=1, initial=0.0).reshape(-1, 6).any(axis=1)  # other bodies have no load

@@ -207,8 +207,8 @@ class GuidedFinger(PickledByFields):
                     if not self._reach(near, wound, HALVINGS):
                         where = f"{one.name} near {point[k]:g}"
                         raise ModelError(f"jacobian must have equilibria at {where}, got none")
-                    found = guides.answer(self.touching, self.arrays, near[t:])
-                    sides.append(found.out[: 3 + len(point) - t])
+                    answer = guides.answer(self.touching, self.arrays, near[t:])
+                    sides.append(answer.out[: 3 + len(point) - t])
                 columns.append((sides[0] - sides[1]) / (2 * step))
         finally:
             self.arrays.restore(kept[0])
@@ -240,17 +240,17 @@ class GuidedFinger(PickledByFields):
         m = len(distances)
         if not self._rubs:  # as `evaluate`, from rest
             self.arrays.loads[:] = 0.0
-        found = guides.answer(self.touching, self.arrays, distances)
-        self.inside &= found.inside
+        answer = guides.answer(self.touching, self.arrays, distances)
+        self.inside &= answer.inside
         return GuideState(
             status="converged" if self.inside else "out_of_domain",
             tensions=self.arrays.motors.copy(),
-            shortenings=found.reports.rows[0, QUATERNION : QUATERNION + len(self._tendons)],
+            shortenings=answer.reports.rows[0, QUATERNION : QUATERNION + len(self._tendons)],
             element_tensions=self.arrays.tensions.copy(),
-            tip=found.out[:3],
-            orientation=found.reports.rows[0, :QUATERNION],
-            contact_forces=found.out[3 : 3 + m],
-            tip_error=float(found.errors[0]),
+            tip=answer.out[:3],
+            orientation=answer.reports.rows[0, :QUATERNION],
+            contact_forces=answer.out[3 : 3 + m],
+            tip_error=float(answer.errors[0]),
             work=self.work,
             dissipated=self.dissipated,
         )

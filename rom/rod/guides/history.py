@@ -45,12 +45,12 @@ def guide_history(
         raise ModelError(f"increments must be at least 1, got {increments}")
     if rows.shape[1:] != (len(finger.names),):
         raise ModelError(f"points must be rows of {', '.join(finger.names)}, got shape {rows.shape}")
-    begun, found = rows[0].copy(), []
+    begun, states = rows[0].copy(), []
     begun[: len(finger.rod.names)] = [0.0 if one.name in wound else one.lower for one in finger.rod.parameters]
     for row in rows:
         for k in range(1, 1 + increments):
             share = k / increments
             state = finger.advance(row if k == increments else begun + share * (row - begun), wound)
-        found.append(state)
+        states.append(state)
         begun = row
-    return found
+    return states

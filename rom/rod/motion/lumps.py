@@ -7,6 +7,7 @@ first frequencies of a few long elements are then as accurate as those of many.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -38,45 +39,54 @@ class Lumps(NamedTuple):
     elements: np.ndarray
 
 
-def lumps_of(rod: Rod, density: float, plate_density: float) -> Lumps:
+def lumps_of(rod: Rod, density: float, plate_density: float, stretches: Sequence[float] | None = None) -> Lumps:
     """Return the mass of a finger for densities of its rubber and plates [kg/m^3].
+
+    Args:
+        rod: the finger.
+        density: of its rubber.
+        plate_density: of its plates.
+        stretches: of all elements from clamp to tip [-], by which sections become narrower with Poisson's ratio; at
+            rest by default.
 
     Raises:
         ModelError: the centre of mass of a section is not on the axis.
     """
     whole, steel = area(rod.scene), mean_squares(rod.scene)
+    along = iter(stretches or [1.0] * sum(map(len, rod.pieces)))
     lines = {one.material: line_mass(rod.scene, density, one.material) for own in rod.pieces for one in own}
 
-    def bar(piece: Piece, length: float, size: float, begin: float) -> np.ndarray:
-        """A prism of a piece's rubber with the section at a size [-], see `prism`."""
+    def bar(piece: Piece, wide: float, length: float, size: float, begin: float) -> np.ndarray:
+        """A prism of a piece's rubber, its section `wide`^1/2 times as wide as at a size [-], see `prism`."""
         line = lines[piece.material]
-        return prism(line.density * length * whole * size**2, length, line.squares * size**2, begin)
+        return prism(line.density * length * whole * size**2, length, line.squares * wide * size**2, begin)
 
     plates, sections = list[np.ndarray](), list[np.ndarray]()
     first, others = list[np.ndarray](), list[np.ndarray]()  # mass matrices of elements at plates, of the others
     for segment, own in zip(rod.segments, rod.pieces, strict=True):
         half, begins = segment.half_lengths[0], [segment.half_lengths[0], *[0.0] * (len(own) - 1)]
+        widths = [next(along) ** (-2 * segment.poisson) for _ in own][::-1]
         area_of_plate = whole * own[0].ends[0] ** 2
         bodies = [prism(2 * half * plate_density * area_of_plate, 2 * half, steel * own[0].ends[0] ** 2, -half)]
-        for piece, behind in zip(own, begins, strict=True):
+        for piece, wide, behind in zip(own, widths, begins, strict=True):
             length = (piece.length - behind) / 2  # an element of the plate begins at its centre, the rubber at its back
             distal, proximal = piece.ends
-            bodies[-1] = bodies[-1] + bar(piece, length, distal, -behind - length)
-            bodies.append(bar(piece, length, proximal, 0.0))
+            bodies[-1] = bodies[-1] + bar(piece, wide, length, distal, -behind - length)
+            bodies.append(bar(piece, wide, length, proximal, 0.0))
         shear = 2.0 * (1 + segment.poisson) / SHEAR  # E over the shear modulus and its coefficient [-]
         ahead = rod.segments[len(plates) - 1].half_lengths[0] if plates else 0.0  # from the clamp to the body before
         masses = []
-        for k, (piece, behind) in enumerate(zip(own, begins, strict=True)):
+        for k, (piece, wide, behind) in enumerate(zip(own, widths, begins, strict=True)):
             length, size = piece.length - behind, sum(piece.ends) / 2
             line = lines[piece.material]
             mass = line.density * length * whole * sum(one**2 for one in piece.ends) / 2
             arms = behind, ahead if k == len(own) - 1 else 0.0
-            masses.append(_element_mass(mass, length, line.squares * size**2, shear, arms))
+            masses.append(_element_mass(mass, length, line.squares * wide * size**2, shear, arms))
         first.append(masses[0])
         others += masses[1:]
         if plates:  # rubber at the segment's clamp moves with the plate before, of which it lies in front
             front = rod.segments[len(plates) - 1].half_lengths[0]
-            plates[-1] = plates[-1] + bar(own[-1], own[-1].length / 2, own[-1].ends[1], front)
+            plates[-1] = plates[-1] + bar(own[-1], widths[-1], own[-1].length / 2, own[-1].ends[1], front)
         plates.append(bodies[0])
         sections += bodies[1:-1]
     found = np.array(plates + sections)

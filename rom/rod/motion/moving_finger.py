@@ -24,6 +24,7 @@ from rom.rod.motion.lumps import lumps_of
 from rom.rod.motion.motion_state import MotionState
 from rom.rod.motion.tendon_friction import TendonFriction
 from rom.rod.scene.materials_of_rod import DENSEST
+from rom.rod.shape import placed
 from rom.rod.touched_rod import TouchedRod
 
 HALVINGS = 8  # largest number for a step without a solution
@@ -174,7 +175,8 @@ class MovingFinger:
     def frequencies(self, parameters: ArrayLike, count: int = 3) -> np.ndarray:
         """Return natural frequencies about the relaxed equilibrium, shape (count,) [Hz].
 
-        Contacts that press stay closed, without friction; all others stay open.
+        Contacts that press stay closed, without friction; all others stay open. Compressed sections are wider than at
+        rest, by which twist is slower.
 
         Args:
             parameters: tensions [N] and d [m] as of `step`, shape (t + m,), or tensions alone, without objects.
@@ -193,7 +195,7 @@ class MovingFinger:
         if not 0 < count <= most:
             raise ModelError(f"count must be from 1 to {most}, got {count}")
         begun = touches(self.model.touching, point[None])
-        found = self._stepper.linearised(point, begun.loads[0]) if begun.inside[0] else None
+        found = self._stepper_at(point, begun.loads[0]).linearised(point, begun.loads[0]) if begun.inside[0] else None
         if found is None:
             raise ModelError(f"parameters must have a stable equilibrium in the domain, got {given.tolist()}")
         mass, compliance = found  # D M f = f / w^2; D is singular along closed contacts
@@ -201,6 +203,14 @@ class MovingFinger:
         if squares[-1] <= 0:
             raise ModelError(f"count must be at most {(squares > 0).sum()} with these contacts, got {count}")
         return np.asarray(1 / (2 * np.pi * np.sqrt(squares)))
+
+    def _stepper_at(self, point: np.ndarray, loads: np.ndarray) -> Stepper:
+        """A stepper with sections as wide as at tensions and loads of an equilibrium."""
+        rod = self.model.rod
+        stretches = [one.stretch for one in placed(rod, point[: self._t], loads)]
+        gravity = rod.scene["gravity"]
+        lumps = lumps_of(rod, gravity["density"], gravity["plate_density"], stretches)
+        return Stepper(self.model.touching, lumps._asdict(), self.radius)
 
     @property
     def element_tensions(self) -> np.ndarray:

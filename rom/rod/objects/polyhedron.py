@@ -60,19 +60,19 @@ def polyhedron(points: np.ndarray) -> dict[str, Any]:
 
 def _faces(hull: ConvexHull) -> np.ndarray:
     """Index of each triangle's face, shape (triangles,): neighbours in one plane are one."""
-    found = np.full(len(hull.simplices), -1)
-    for first in range(len(found)):
-        if found[first] >= 0:
+    faces = np.full(len(hull.simplices), -1)
+    for first in range(len(faces)):
+        if faces[first] >= 0:
             continue
-        found[first], waiting = found.max() + 1, [first]
+        faces[first], waiting = faces.max() + 1, [first]
         while waiting:
             one = waiting.pop()
             for other in hull.neighbors[one]:
                 flat = np.abs(hull.equations[other, :3] - hull.equations[first, :3]).max() < FLAT
-                if found[other] < 0 and flat:
-                    found[other] = found[first]
+                if faces[other] < 0 and flat:
+                    faces[other] = faces[first]
                     waiting.append(other)
-    return found
+    return faces
 
 
 def _edges(triangles: np.ndarray, face_of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -113,17 +113,17 @@ def find_object(
     def answers(way: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residuals, their derivatives by the way, and estimated errors of the forces."""
         there = moved(way)
-        found = there.answers(points, by_object=True)
-        assert found.by_object is not None
-        force, touch = found.out[:, FORCE], found.out[:, TOUCH]
+        answer = there.answers(points, by_object=True)
+        assert answer.by_object is not None
+        force, touch = answer.out[:, FORCE], answer.out[:, TOUCH]
         pressed = force > 0
-        slopes = -found.jacobians[:, FORCE, -1]
+        slopes = -answer.jacobians[:, FORCE, -1]
         stiffness = float(np.median(slopes[pressed])) if pressed.any() else float(felt.max() / within)
         near = ~pressed & np.isfinite(touch)  # an object not touched yet attracts by its gap
         off = np.where(pressed, force, 0.0)
         off[near] = stiffness * np.minimum(touch - points[:, -1], 0.0)[near]
-        by_place = np.where(pressed[:, None], found.by_object[:, FORCE, :3], 0.0)
-        by_place[near] = stiffness * found.by_object[near, TOUCH, :3]
+        by_place = np.where(pressed[:, None], answer.by_object[:, FORCE, :3], 0.0)
+        by_place[near] = stiffness * answer.by_object[near, TOUCH, :3]
         error = np.where(pressed, evaluate(there.touching, points).errors[:, 1], 0.0)
         return off - felt, STEP * by_place, np.hypot(np.maximum(noise, LEAST), np.minimum(error, felt.max()))
 

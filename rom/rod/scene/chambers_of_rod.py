@@ -20,23 +20,23 @@ def chambers_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
         ModelError: one is no rectangle, the rubber around it has a taper, or its weight is off the axis.
         KeyError, TypeError, ValueError: a key is missing, or is no number.
     """
-    found = list[dict[str, Any]]()
+    chambers = list[dict[str, Any]]()
     for one in scene.get("chambers") or []:
         if one["region"] != "rectangle":
             raise ModelError(
                 f"chambers.{one['name']}.region must be 'rectangle' in a rod's scene, got {one['region']!r}"
             )
         numbers = {key: [float(part) for part in one[key]] for key in ("centre", "size", "x", "pressure")}
-        found.append({"name": str(one["name"]), "region": "rectangle"} | numbers)
-    first = np.sum([np.prod(one["size"]) * np.array(one["centre"]) for one in found], axis=0)
-    if found and scene.get("gravity") is not None and np.abs(first).max() > NEAR * extent(scene) ** 3:
+        chambers.append({"name": str(one["name"]), "region": "rectangle"} | numbers)
+    first = np.sum([np.prod(one["size"]) * np.array(one["centre"]) for one in chambers], axis=0)
+    if chambers and scene.get("gravity") is not None and np.abs(first).max() > NEAR * extent(scene) ** 3:
         raise ModelError(
             "gravity must be left out with chambers on one side: a rod's weight acts on its axis, got chambers "
-            f"{', '.join(one['name'] for one in found)}"
+            f"{', '.join(one['name'] for one in chambers)}"
         )
-    if found and any(ratio != 1 for ratio in scene["geometry"].get("taper") or []):
+    if chambers and any(ratio != 1 for ratio in scene["geometry"].get("taper") or []):
         raise ModelError(f"geometry.taper must be left out with chambers, got {scene['geometry']['taper']}")
-    return found
+    return chambers
 
 
 def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, moduli: np.ndarray) -> list[int]:
@@ -57,16 +57,16 @@ def matched(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, m
     own, others = scene.get("chambers") or [], trained.get("chambers") or []
     if not own and not others:
         return []
-    found = [_matching(trained, scene, one, size, moduli) for one in own]
+    numbers = [_matching(trained, scene, one, size, moduli) for one in own]
     for k in range(len(scene["geometry"]["segments"])):
-        here = [(one, which) for one, which in zip(own, found, strict=True) if segment_with(scene, one) == k]
+        here = [(one, which) for one, which in zip(own, numbers, strict=True) if segment_with(scene, one) == k]
         if sorted(which for _, which in here) != list(range(len(others))):
             names = ", ".join(one["name"] for one, _ in here) or "none"
             raise ModelError(
                 f"chambers in segment {k + 1} must be those of the elements, each once ({len(others)} of them), "
                 f"got {names}"
             )
-    return found
+    return numbers
 
 
 def segment_with(scene: Mapping[str, Any], chamber: Mapping[str, Any]) -> int:

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rom.dataset.geometry import rubber_of
-from rom.elements.pieces import Piece
+from rom.dataset.geometry import rubber_of, sizes_of
+from rom.elements.pieces import Piece, cut
+from rom.elements.taper import TaperedRubber, tapered_pieces
 from rom.elements.transition import hindered_share
 from rom.files.checked_file import ModelError
 from rom.rod.scene.materials_of_rod import along, modulus_of
@@ -36,7 +37,7 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
     Raises:
         ModelError: another law, other ratios of its constants, an overlap, chambers, or elements of several materials.
     """
-    found = list[Interval]()
+    intervals = list[Interval]()
     for one in scene.get("materials") or []:
         if one.get("x") is None:
             continue
@@ -55,12 +56,12 @@ def intervals_of(trained: Mapping[str, Any], scene: Mapping[str, Any], modulus: 
         except ModelError as error:
             raise ModelError(f"materials.{one['name']}: {error}") from None
         begin, end = one["x"]
-        found.append(Interval(one["name"], begin, end, stiffer / modulus))
-    found.sort(key=lambda one: one.begin)
-    for one, other in pairwise(found):
+        intervals.append(Interval(one["name"], begin, end, stiffer / modulus))
+    intervals.sort(key=lambda one: one.begin)
+    for one, other in pairwise(intervals):
         if other.begin < one.end * (1 - NEAR):
             raise ModelError(f"materials.{other.name}.x must begin beyond {one.name}, {one.end:g} m, got {other.begin}")
-    return found
+    return intervals
 
 
 def in_segment(intervals: Sequence[Interval], geometry: Mapping[str, Any], k: int) -> list[Interval]:
@@ -91,14 +92,40 @@ def cuts_of(intervals: Sequence[Interval]) -> list[float]:
 def with_materials(own: Sequence[Piece], intervals: Sequence[Interval]) -> list[Piece]:
     """Elements from plate to clamp with the materials of a segment's intervals, at whose ends elements end."""
     ends = np.cumsum([one.length for one in own[::-1]])[::-1]
-    found = []
+    pieces = []
     for piece, end in zip(own, ends, strict=True):
         middle = end - piece.length / 2
         interval = next((one for one in intervals if one.begin < middle < one.end), None)
-        found.append(piece if interval is None else piece._replace(material=interval.name, modulus=interval.modulus))
-    moduli = [one.modulus for one in found]
+        pieces.append(piece if interval is None else piece._replace(material=interval.name, modulus=interval.modulus))
+    moduli = [one.modulus for one in pieces]
     distal, proximal = [moduli[0], *moduli[:-1]], [*moduli[1:], moduli[-1]]
     return [
         one._replace(hindered=(hindered_share(one.modulus, before), hindered_share(one.modulus, behind)))
-        for one, before, behind in zip(found, distal, proximal, strict=True)
+        for one, before, behind in zip(pieces, distal, proximal, strict=True)
     ]
+
+
+def pieces_of(
+    lengths: Mapping[str, tuple[float, float]], geometry: Mapping[str, Any], intervals: Sequence[Interval], parts: int
+) -> list[list[Piece]]:
+    """The elements of every segment, from its plate to its clamp.
+
+    Args:
+        lengths: shortest and longest of every kind of element [m].
+        geometry: of the finger's scene.
+        intervals: of other materials.
+        parts: into which interior elements are cut.
+
+    Raises:
+        ModelError: the elements make no segment of this length, taper or division.
+    """
+    segments, half = [], geometry["plate"] / 2
+    for k, (begin, end) in enumerate(pairwise(sizes_of(geometry).tolist())):
+        rubber = TaperedRubber(begin, end, geometry["segments"][k] - end * half, half)
+        own = in_segment(intervals, geometry, k)
+        try:
+            pieces = tapered_pieces(lengths, rubber, cuts_of(own))
+        except ModelError as error:
+            raise ModelError(f"geometry.segments.{k}: {error}") from None
+        segments.append(cut(with_materials(pieces, own), parts))
+    return segments

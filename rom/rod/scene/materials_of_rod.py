@@ -17,7 +17,7 @@ from rom.rod.scene.section_of_rod import NEAR, equal
 MODULI = {"C1": 1, "C2": 1, "C3": 1, "C10": 1, "C01": 1, "mu": 1, "D1": -1, "E": 1}
 DEFAULTS = {"yeoh": {"C2": 0.0, "C3": 0.0}}
 PLAIN = ("nu", "alpha")  # constants without a unit
-DENSEST = 3e4  # [kg/m^3]
+LIGHTEST, DENSEST = 10.0, 3e4  # of a rubber [kg/m^3]; lighter, it is meant in g/cm^3
 
 
 @brief
@@ -42,10 +42,10 @@ def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
         ModelError: a part of the section along a part of the axis.
         KeyError, TypeError, ValueError: a key is missing, or is no number.
     """
-    found, geometry = [_checked(one) for one in scene.get("materials") or []], scene["geometry"]
-    if len({one["name"] for one in found}) < len(found):
-        raise ModelError(f"materials must differ in their names, got {[one['name'] for one in found]}")
-    for one in found:
+    materials, geometry = [_checked(one) for one in scene.get("materials") or []], scene["geometry"]
+    if len({one["name"] for one in materials}) < len(materials):
+        raise ModelError(f"materials must differ in their names, got {[one['name'] for one in materials]}")
+    for one in materials:
         x = one.pop("x", None)
         if is_all_along(geometry, x):
             continue
@@ -58,7 +58,7 @@ def materials_of(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
                 f"have one section, got {one['x']} of {one['region']!r}; use the full-order model "
                 "(python3 -m fingerfem solve)"
             )
-    return found
+    return materials
 
 
 def along(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -68,16 +68,15 @@ def along(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     """One of the materials, as plain data."""
-    found = dict(given) | {"material": dict(given["material"])}
-    for key in ("centre", "size") if found["region"] == "rectangle" else ():
-        if np.shape(found[key]) != (2,) or not np.isfinite(np.array(found[key], float)).all():
-            raise ModelError(f"materials.{found['name']}.{key} must be two finite numbers [m], got {found[key]}")
-    density = found.get("density")
-    if density is not None and not 0 < density <= DENSEST:
-        raise ModelError(
-            f"materials.{found['name']}.density must be above 0 and at most {DENSEST:g} kg/m^3, got {density}"
-        )
-    return found
+    material = dict(given) | {"material": dict(given["material"])}
+    for key in ("centre", "size") if material["region"] == "rectangle" else ():
+        if np.shape(material[key]) != (2,) or not np.isfinite(np.array(material[key], float)).all():
+            raise ModelError(f"materials.{material['name']}.{key} must be two finite numbers [m], got {material[key]}")
+    density = material.get("density")
+    if density is not None and not LIGHTEST <= density <= DENSEST:
+        name = f"materials.{material['name']}.density"
+        raise ModelError(f"{name} must be from {LIGHTEST:g} to {DENSEST:g} kg/m^3, got {density}")
+    return material
 
 
 def match_materials(trained: Mapping[str, Any], scene: Mapping[str, Any], size: float, modulus: float) -> None:

@@ -92,20 +92,22 @@ def of_tables(scene: Mapping[str, Any]) -> dict[str, Any]:
             raise ModelError(f"{name} must be given, got {scene.get(name)}")
     scene = without_square(scene)
     try:
-        found: dict[str, Any] = {
+        tables: dict[str, Any] = {
             "name": str(scene.get("name", "finger")),
             "geometry": _geometry(scene["geometry"], has_side=scene.get("section") is None),
             "material": dict(scene["material"]),
             "tendons": [_tendon(one) for one in scene["tendons"]],
         }
-        found |= {} if scene.get("section") is None else {"section": scene["section"]}
-        found |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
-        found |= {"materials": materials_of(scene)} if scene.get("materials") else {}
+        tables |= {} if scene.get("section") is None else {"section": scene["section"]}
+        tables |= {"chambers": chambers_of(scene)} if scene.get("chambers") else {}
+        tables |= {"materials": materials_of(scene)} if scene.get("materials") else {}
         weight = {} if scene.get("gravity") is None else {"gravity": gravity_of(scene["gravity"], scene.get("density"))}
-        return found | weight
+        return tables | weight
     except ModelError:
         raise
-    except (KeyError, TypeError, ValueError) as error:
+    except KeyError as error:
+        raise ModelError(f"{error.args[0]} is required in a table of the scene, and missing") from None
+    except (TypeError, ValueError) as error:
         raise ModelError(
             f"scene must have geometry, tendons and chambers as docs/reference/scene.md says, got {error!r}"
         ) from None
@@ -124,17 +126,17 @@ def _geometry(table: dict[str, Any], has_side: bool) -> dict[str, Any]:
     sizes = {name: float(table[name]) for name in ("side", "plate") if has_side or name != "side"}
     channel = table.get("channel")
     segments = [float(one) for one in table["segments"]]
-    found = sizes | {"segments": segments, "channel": None if channel is None else float(channel)}
-    for name, value in found.items():
+    geometry = sizes | {"segments": segments, "channel": None if channel is None else float(channel)}
+    for name, value in geometry.items():
         lengths: list[float] = [] if value is None else np.ravel(value).tolist()
         if not all(0 < one < np.inf for one in lengths):
             raise ModelError(f"geometry.{name} must be finite and above 0 m, got {value}")
     if table.get("taper") is None:
-        return found
+        return geometry
     taper = [float(one) for one in table["taper"]]
     if len(taper) != len(segments) or not all(0 < one < np.inf for one in taper):
         raise ModelError(f"geometry.taper must be one ratio above 0 per segment, got {taper}")
-    return found | {"taper": taper}
+    return geometry | {"taper": taper}
 
 
 def _tendon(table: dict[str, Any]) -> dict[str, Any]:
@@ -177,11 +179,11 @@ def similarity(trained: Mapping[str, Any], scene: Mapping[str, Any]) -> Similari
     last = max((one["segment"] for one in scene["tendons"]), default=0)
     if last < count:
         raise ModelError(f"tendons must pass all segments, one at least of segment {count}, got {last}")
-    found = Similarity(size, modulus, tendons, matched(trained, scene, size, moduli), intervals)
+    scaling = Similarity(size, modulus, tendons, matched(trained, scene, size, moduli), intervals)
     for segment in range(1, count + 1):
         own = size * sizes[segment - 1 : segment + 1]
-        _check_sums(trained["tendons"], scene["tendons"], found, (segment, own, moduli))
-    return found
+        _check_sums(trained["tendons"], scene["tendons"], scaling, (segment, own, moduli))
+    return scaling
 
 
 def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str, Any]:
@@ -205,15 +207,15 @@ def rescaled(scene: Mapping[str, Any], modulus: float, size: float) -> dict[str,
         for one in scene["tendons"]
     ]
     geometry = scene["geometry"] | lengths
-    found = dict(scene) | {"geometry": geometry, "tendons": tendons}
-    found["material"] = rescaled_law(scene["material"], modulus)
+    tables = dict(scene) | {"geometry": geometry, "tendons": tendons}
+    tables["material"] = rescaled_law(scene["material"], modulus)
     if scene.get("section"):
-        found["section"] = rescaled_section(scene["section"], size)
+        tables["section"] = rescaled_section(scene["section"], size)
     if scene.get("chambers"):
-        found["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
+        tables["chambers"] = [rescaled_chamber(one, modulus, size) for one in scene["chambers"]]
     if scene.get("materials"):
-        found["materials"] = [rescaled_material(one, modulus, size) for one in scene["materials"]]
-    return found
+        tables["materials"] = [rescaled_material(one, modulus, size) for one in scene["materials"]]
+    return tables
 
 
 def _trained(tension: list[float], moduli: np.ndarray, sizes: np.ndarray) -> tuple[float, float, float]:
@@ -240,7 +242,7 @@ def _check_sums(
         lowest, highest, slack = _trained(one["tension"], moduli, sizes)
         if not (lowest - slack <= least and most <= highest + slack):
             names = " and ".join(each["name"] for each in passing) or "no tendon"
-            offset = [round(found.size * part, 9) for part in one["offset"]]
+            offset = np.round(found.size * np.array(one["offset"]), 9).tolist()
             raise ModelError(
                 f"tensions at offset {offset} in segment {segment} must lie in {lowest:.6g} to {highest:.6g} N, where "
                 f"the elements were trained, got {least:.6g} to {most:.6g} N of {names}"
@@ -262,7 +264,7 @@ def _tendon_of(trained: list[dict[str, Any]], one: dict[str, Any], sizes: np.nda
                     f"got {one['tension']}"
                 )
             return k
-    known = ", ".join(str([round(size * part, 9) for part in other["offset"]]) for other in trained)
+    known = ", ".join(str(np.round(size * np.array(other["offset"]), 9).tolist()) for other in trained)
     raise ModelError(
         f"{name}.offset must be that of a tendon of the elements, one of {known} m at the clamp, got {one['offset']}; "
         "train elements with this one"

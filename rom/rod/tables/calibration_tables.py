@@ -43,14 +43,14 @@ def _parameters(record: Mapping[str, Any], title: str) -> Table:
 
 def _correlated(record: Mapping[str, Any]) -> list[str]:
     """Pairs of parameters that depend on each other strongly."""
-    names, found = list(record["parameters"]), []
+    names, pairs = list(record["parameters"]), []
     for i, row in enumerate(record["correlations"]):
-        found += [
+        pairs += [
             f"{names[j]} and {names[i]} ({row[j]:+.2f})".replace("_", " ")
             for j in range(i)
             if row[j] is not None and abs(row[j]) > STRONG
         ]
-    return [f"strongly correlated: {', '.join(found)}"] if found else []
+    return [f"strongly correlated: {', '.join(pairs)}"] if pairs else []
 
 
 def _errors(record: Mapping[str, Any]) -> Table:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rom.console.table import NOT_MEASURED, Table, accuracy, parameters, percent
 from rom.dataset.grid import SHARE
+from rom.rod.free_domain import outside_without_contact
 from rom.rod.tables.calibration_tables import calibration_tables
 from rom.rod.weight import weight_of
 
@@ -21,7 +22,7 @@ def tables(rod: Rod) -> list[Table | str]:
         for k, (length, own) in enumerate(zip(rod.scene["geometry"]["segments"], rod.pieces, strict=True))
     ]
     force, free = left_out["contact_force"], left_out["free_place_m"]
-    measured = accuracy(rod.accuracy)
+    measured, outside = accuracy(rod.accuracy), outside_without_contact(rod)
     finer = ", on a finer mesh than that of the training" if "corrected_by" in rod.elements.provenance else ""
     return [
         f"{rod.scene['name']}: a rod of {sum(map(len, rod.pieces))} elements, "
@@ -34,6 +35,7 @@ def tables(rod: Rod) -> list[Table | str]:
         Table(header=["segment", "length [mm]", "elements from the clamp"], rows=rows),
         *_weight(rod),
         parameters(rod.parameters),
+        *([outside] if outside else []),
         f"lines left out{finer}: contact force within {percent(force['p95'])} (95 %), "
         f"median {percent(force['median'])}; free tip within {1e6 * free['p95']:.3g} µm",
         *(measured if measured else [NOT_MEASURED]),

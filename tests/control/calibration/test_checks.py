@@ -69,7 +69,7 @@ REFUSED = {
     "torques without a radius": (
         columns(1),
         ("F1 [N mm]", "F2 [N mm]", "x", "y", "z"),
-        "pulley_radius must be a number",
+        r"pulley_radius must be a radius \[m\] for torques or angles in .*got none",
     ),
 }
 

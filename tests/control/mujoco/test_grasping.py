@@ -6,14 +6,11 @@ from scipy.spatial.transform import Rotation
 
 mujoco = pytest.importorskip("mujoco")
 
-from control import Limits  # noqa: E402
-from control.mujoco import plants  # noqa: E402
-from control.mujoco.layouts import best_layout  # noqa: E402
 from control.mujoco.solids import SHAPES  # noqa: E402
-from control.mujoco.table import table  # noqa: E402
 from rom import Rod, TouchedSegment  # noqa: E402
 from rom.rod.inverse_map import InverseMap  # noqa: E402
-from studies.grasping.task import MARGIN, MOTOR, PERIOD, STEP, Watch, attempt, carry, close, trial  # noqa: E402
+from studies.grasping.task import FOUND, STEP, approach, attempt, close, over, planned  # noqa: E402
+from studies.grasping.trials import trial  # noqa: E402
 from tests.control.mujoco.dragged_wall import DRAG, SOFT, before_a_wall, sliding  # noqa: E402
 
 
@@ -33,16 +30,28 @@ def test_a_solid_is_lifted_turned_and_put_down(model, number):
 
 def test_a_held_solid_creeps_by_less_than_a_micrometre_a_second(model):
     one = trial(10, "box")  # of 230 g
-    gripper, solid, turn, wanted = best_layout(model, one.solid, Limits(rate=MOTOR), MARGIN)
-    watch = Watch(table(gripper, model.rod, solid, one.error, turn, STEP), [])
-    driven, places = plants(watch.simulation, PERIOD, one.flaws, one.number), []
-    closing = close(gripper, one, wanted.contact_forces, driven, watch)
-    assert not closing.failed() and solid.mass > 0.2
+    layout, places = planned(model, one), []
+    hand = over(model, one, layout)
+    height, _ = approach(hand, one, layout)
+    closing = close(hand, one, layout)
+    assert not closing.failed() and one.solid.mass > 0.2
     for seconds in (1.0, 0.5, 1.0):  # lifted, at rest, and held
-        carry(closing.grips, driven, 2, 0.003, seconds, watch)
-        places.append([watch.simulation.data.body(name).xpos.copy() for name in ("object", "palm")])
+        hand.carry(closing.grips, 2, height + 0.003, seconds)
+        places.append([hand.simulation.data.body(name).xpos.copy() for name in ("object", "palm")])
     (before, palm), (after, palm_after) = places[1:]
     assert np.linalg.norm((after - palm_after) - (before - palm)) < 1e-6
+
+
+def test_fingers_find_the_table_and_the_arm_the_solid(model):
+    one = trial(12, "cylinder")
+    layout, missed = planned(model, one), np.linalg.norm(one.error[:2])
+    hand = over(model, one, layout)
+    _, table_error = approach(hand, one, layout)
+    assert abs(one.error[2]) > 1e-3 > 5 * table_error  # the arm begins too low by more than what the fingers leave
+    assert not hand.simulation.contact_forces().any() and hand.beside() == pytest.approx(missed, abs=1e-4)
+    close(hand, one, layout)
+    assert hand.beside() < min(FOUND[:2]) and hand.beside() < missed / 2
+    assert hand.hardest < one.solid.admissible_force
 
 
 def test_what_cannot_be_held_is_refused_before_anything_moves(model):

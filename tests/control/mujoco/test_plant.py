@@ -86,3 +86,5 @@ def test_a_period_shorter_than_a_step_is_refused():
     for period in (0.9e-3, 0.0, float("nan")):
         with pytest.raises(ValueError, match=r"period must be at least a step, 0\.001 s, got"):
             MujocoPlant(Clock(1), 0, period=period)
+    with pytest.raises(ValueError, match=r"flaws\.friction must be 0 except in a MovingPlant, got 0\.2"):
+        MujocoPlant(Clock(1), 0, PERIOD, Flaws(friction=0.2))

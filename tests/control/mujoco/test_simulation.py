@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 mujoco = pytest.importorskip("mujoco")
 
 from control import Flaws, Gripper  # noqa: E402
-from control.grasping.grasp_controller import GraspOptions  # noqa: E402
+from control.grasping.grasp_options import GraspOptions  # noqa: E402
 from control.motion import Limits  # noqa: E402
 from control.mujoco import Simulation, SimulationStopped, attach, attach_gripper, plants  # noqa: E402
 from rom import Cylinder, Sphere, TouchedSegment, friction_history  # noqa: E402

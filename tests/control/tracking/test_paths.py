@@ -30,6 +30,7 @@ def test_an_eight_crosses_its_centre_and_is_twice_as_wide_as_high():
         ((RATE, np.nan, 1.0), "period must"),
         (("2 Hz", PERIOD, 1.0), "rate must be a finite number above 0 Hz, got '2 Hz'"),
         ((RATE, 0.2, 1.0), "laps a row, got 0.4"),
+        ((RATE, PERIOD, 1e12), r"laps must be at most 2000, in 1000000 rows, got 1e\+12"),
     ],
 )
 def test_rates_and_periods_that_are_none_are_refused(given, message):

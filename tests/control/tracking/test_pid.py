@@ -36,7 +36,7 @@ def test_without_gains_it_pulls_what_is_given(finger):
 def test_without_a_reading_its_last_error_acts_and_after_the_path_nothing_does(finger):
     pid, other = (PidController(finger, PATH[:5], (1.0, 2.0, 0.1), OPTIONS) for _ in range(2))
     pid.step(tip=AWAY), other.step(tip=AWAY)
-    assert np.array_equal(pid.step(), other.step(tip=AWAY))  # the path stays
+    assert np.array_equal(pid.step(tip=[0.047, 1e300, 0.0]), other.step(tip=AWAY))  # no finger's; the path stays
     assert np.array_equal(pid.step(tip=AWAY), pid.step(tip=[0.047, 0.0, 0.0])) and pid.done
 
 

@@ -30,6 +30,11 @@ def made(finger):
     return TrackingController(finger, PATH, OPTIONS)
 
 
+@pytest.fixture(scope="module")
+def pressing(finger):
+    return TrackingController(finger, PATH, replace(OPTIONS, distance=0.010, most_force=0.4, margin=2e-4))
+
+
 def other(finger, factor: float):
     """The finger with another modulus, pulled by the same tensions or less."""
     scene, material = finger.scene, finger.scene["material"]
@@ -165,12 +170,47 @@ def test_readings_of_the_force_correct_it_on_a_softer_finger_before_a_nearer_pla
     assert errors[0] < 0.1 * errors[1]
 
 
-def test_motor_tensions_overcome_friction_in_the_guides(finger, made):
+def test_friction_that_tensions_do_not_overcome_is_refused_with_the_row(finger):
+    controller = TrackingController(finger, PATH[: LAP + 20], replace(OPTIONS, friction=20.0))
+    assert controller.status == "unreachable"
+    assert re.search(r"^path row \d+ must be reached against friction of 20 by tensions from", controller.reason)
+
+
+def test_with_motor_tensions_the_tip_rests_where_the_plan_has_it_without_friction(finger, made):
     rubbing = TrackingController(finger, PATH, replace(OPTIONS, friction=0.2))
     guides = rom.GuidedFinger(model=finger.rod, friction=0.2)
-    pulled = np.array([guides.advance(tensions).element_tensions.mean(axis=0) for tensions in rubbing.plan.tensions])
-    assert pulled == pytest.approx(made.plan.tensions, abs=0.02)
+    tips = np.array([guides.advance(tensions).tip[1:] for tensions in rubbing.plan.tensions])
+    wanted = finger.evaluate(np.column_stack([made.plan.tensions, np.full(len(PATH), np.inf)])).tip[:, 1:]
+    assert tips == pytest.approx(wanted, abs=5e-6)
     assert np.abs(rubbing.plan.tensions - made.plan.tensions).max() > 0.5
+
+
+def test_compensated_friction_leaves_a_moving_finger_less_error(finger, made):
+    flaws = Flaws(period=PERIOD, delay=1, friction=0.2)
+    rubbing = TrackingController(finger, PATH, replace(OPTIONS, friction=0.2))
+    errors = [rms(track(copy.deepcopy(one), moving(finger, one, flaws))) for one in (made, rubbing)]
+    assert errors[1] < 0.5 * errors[0]
+
+
+@pytest.mark.parametrize("moved", [-2e-4, 0.0, 2e-4])
+def test_an_impact_keeps_the_largest_force_on_a_plane_that_is_displaced_by_the_margin(finger, pressing, moved):
+    options = pressing.options
+    found = simulated(finger, pressing.plan.tensions, replace(options, distance=options.distance + moved))
+    assert 0 < found.contact_forces.max() <= pressing.plan.most_force <= options.most_force
+    flaws = Flaws(period=PERIOD, delay=1, tip_noise=2e-5, noise=0.01)
+    plant = moving(finger, pressing, flaws, distance=options.distance + moved)
+    assert 0 < track(copy.deepcopy(pressing), plant).contact_forces.max() < options.most_force
+
+
+def test_a_plan_that_passes_in_front_of_the_plane_is_marked(finger):
+    options = replace(OPTIONS, distance=0.010, most_force=0.002)
+    controller = TrackingController(finger, PATH, options)
+    assert controller.reason == "" and controller.plan.contact_forces.max() == 0.0
+    behind = (controller.plan.tips != PATH).any(axis=1)
+    starts = [k for k in range(1, len(PATH)) if behind[k] and not behind[k - 1]]
+    assert controller.events == [(k, "passes in front") for k in starts] and len(starts) == 2
+    report = track(controller, moving(finger, controller, Flaws(period=PERIOD), distance=0.010))
+    assert [event for *_, event in report.events] == ["passes in front"] * 2
 
 
 def test_a_plane_that_was_not_planned_is_pressed_with_a_bounded_force(finger, made):
@@ -207,6 +247,12 @@ def test_without_readings_it_follows_its_plan_and_says_so(finger, made):
     [
         (PATH + 0.05, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
         (PATH + 1e3, OPTIONS, Limits(), "must be reached with its inertia, at .* move or slow the path"),
+        (
+            np.where(np.arange(len(PATH))[:, None] < 30, PATH, PATH + 0.004),
+            replace(OPTIONS, correction=5e-4),
+            Limits(),
+            "must be followed within options.correction, 0.0005 m, got a simulated distance of 0.00",
+        ),
         (PATH, OPTIONS, Limits(rate=100.0), "must be reached with limits.rate, by 0.5 N a period, but needs"),
     ],
 )
@@ -222,6 +268,7 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
     [
         (np.zeros((9, 3)), {}, r"path must be finite numbers \[m\] of shape \(n, 2\), got shape"),
         (PATH * np.nan, {}, "path must be finite numbers"),
+        (PATH + 1j, {}, "path must be finite numbers"),
         (PATH[:2], {}, "path must have at least three rows of y and z, got 2"),
         ("circle", {}, r"path must be finite numbers \[m\] of shape \(n, 2\), got 'circle'"),
         (PATH, {"distance": 9.0}, "distance must be from"),
@@ -237,6 +284,8 @@ def test_a_path_out_of_reach_is_refused_with_its_row(finger, path, options, limi
         (PATH, {"noise": 1e-300}, r"noise must be a finite number from 1e-09 to 1e\+09 m, got 1e-300"),
         (PATH, {"drift": np.nan}, "drift must be a finite number from"),
         (PATH, {"pretension": 2.0}, "pretension must be a finite number from 0 to 1, got 2.0"),
+        (PATH, {"margin": -1e-4}, "margin must be a finite number of at least 0 m, got -0.0001"),
+        (PATH, {"distance": 0.0, "most_force": 0.4}, "distance must be from 0.0001 to "),
         (PATH, {"friction": -0.1}, "friction must be a finite number of at least 0, got -0.1"),
         (PATH, {"most_force": "1 N"}, "most_force must be a number above 0 N, got '1 N'"),
         (PATH, {"density": True}, "density must be a finite number above 0 kg/m.3, got True"),

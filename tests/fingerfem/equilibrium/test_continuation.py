@@ -1,5 +1,7 @@
 """Equilibria of the draft finger: balances, identities of the potential, derivatives, limits, independence of path."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -169,6 +171,7 @@ def test_a_load_that_is_not_reached_raises_with_the_last_good_load(draft):
     assert np.all(caught.value.tensions < 100.0)
     assert np.isfinite(draft.problem.displacement).all()
     assert np.array_equal(continuation.tensions, caught.value.tensions)
+    assert "lower tensions" not in str(caught.value)  # E A is 988 N
 
 
 def test_a_load_is_given_up_when_failed_steps_took_too_many_iterations(draft):
@@ -177,6 +180,9 @@ def test_a_load_is_given_up_when_failed_steps_took_too_many_iterations(draft):
     with pytest.raises(LoadNotReached, match=r"; failed steps took \d+ iterations") as caught:
         continuation.advance([1000.0, 0.0], None)
     newton = continuation.newton.options
+    assert re.search(
+        r"beyond tensions \[\d+.*\] N \(\d\d% of Young's modulus times area: take lower", str(caught.value)
+    )
     taken = int(caught.value.reason.split()[-2])
     assert 20 < taken <= 20 + 2 * newton.iterations + newton.searches
     assert taken < continuation.iterations and caught.value.tensions[0] > 200.0

@@ -54,7 +54,9 @@ def test_json_has_every_law_with_its_errors_and_the_chosen_one_as_a_scene_s_tabl
     code, printed, _ = command(data, "--json")
     found = json.loads(printed)
     assert code == 0 and found["chosen"] == "mooney-rivlin" and found["stretches"] == [0.25, 2.0]
-    assert set(found) == {"file", "tests", "stretches", "chosen", "material", "laws"}
+    assert (
+        set(found) == {"file", "tests", "stretches", "chosen", "material", "laws", "doubts"} and found["doubts"] == []
+    )
     assert [(one["test"], one["points"]) for one in found["tests"]] == [(mode, 60) for mode in MODES]
     assert [one["law"] for one in found["laws"]] == list(LAWS) and all(one["usable"] for one in found["laws"])
     assert pytest.approx(1e5, rel=0.01) == scene_with({"material": found["material"]}).material.C10
@@ -137,7 +139,7 @@ def test_where_no_law_is_usable_the_reason_is_printed_nothing_is_written_and_the
     ("words", "rule"),
     [
         (["none.csv"], "none.csv: No such file or directory"),
-        ([EXAMPLE, "--test", "planar"], r"material.csv, line \d+: must name the test once"),
+        ([EXAMPLE, "--test", "planar"], r"material.csv, line \d+: must name the test once, uniaxial"),
         ([EXAMPLE, "--law", "gent"], "law must be one of neo-hookean, mooney-rivlin, yeoh, ogden, got gent"),
         ([EXAMPLE, "--nu", "0.3"], "nu must be from 0.49 to 0.49999"),
         ([EXAMPLE, "--to", "1"], "to must be a stretch above 1, got 1"),

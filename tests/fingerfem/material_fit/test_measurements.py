@@ -101,8 +101,11 @@ REFUSED = {
         ["stretch [-],strain [-],stress [Pa]"],
         r"one column of a stretch or a nominal strain, got stretch \[-\], strain",
     ),
-    "no test": (["stretch [-],stress [kPa]", *GOOD], "must name the test once: by a column test, .* got 0 of these"),
-    "two tests": (["test,uniaxial stretch [-],stress [kPa]", *GOOD], "must name the test once: .* got 2 of these"),
+    "no test": (
+        ["stretch [-],stress [kPa]", *GOOD],
+        "must name the test once, uniaxial, .* got 0 of these",
+    ),
+    "two tests": (["test,uniaxial stretch [-],stress [kPa]", *GOOD], "must name the test once, .* got 2 of these"),
     "simple shear": (
         ["test,stretch [-],stress [kPa]", *(f"simple shear,{row}" for row in GOOD)],
         r"line 2: test must be uniaxial, equibiaxial, planar or pure shear \(planar\), got 'simple shear'",
@@ -112,6 +115,7 @@ REFUSED = {
     "NaN": ([HEADER, *GOOD, "nan,3.0"], r"line 22: stretch must be a finite number, \[-\], got 'nan'"),
     "infinite": ([HEADER, "2.0,inf", *GOOD], r"line 2: stress must be a finite number, \[kPa\], got 'inf'"),
     "few cells": ([HEADER, *GOOD, "1.5"], "line 22: must have at least 2 cells, got 1"),
+    "decimal commas": ([HEADER, *GOOD, "1,5,3,0"], "line 22: must have 2 cells, .* got 4; decimal commas need tabs"),
     "no stretch": ([HEADER, *GOOD, "0.0,-5.0"], "line 22: stretch must be above 0.05 and below 20, got 0"),
     "negative stretch": ([HEADER, *GOOD, "-0.5,-5.0"], "line 22: stretch must be above 0.05 and below 20, got -0.5"),
     "percent as stretch": ([HEADER, "150,1.0", *GOOD], "line 2: stretch must be above 0.05 and below 20, got 150"),

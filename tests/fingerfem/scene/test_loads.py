@@ -53,3 +53,11 @@ def test_a_load_that_is_given_twice_or_no_number_is_refused(before_a_plane):
         with pytest.raises(ValueError) as refused:
             read_loads(before_a_plane, [f"F1={text}"])
         assert str(refused.value) == f"F1 must be a number, got {text!r}"
+
+
+def test_a_load_outside_the_scene_s_limits_is_refused_with_its_unit(before_a_plane):
+    for word, limits in (("F1=100.1", "[0, 100] N"), ("F2=-1", "[0, 100] N"), ("d=20", "[0.001, 0.031] m")):
+        name, value = word.split("=")
+        with pytest.raises(ValueError) as refused:
+            read_loads(before_a_plane, [word])
+        assert str(refused.value) == f"{name} must lie in {limits}, got {value}"

@@ -7,17 +7,21 @@ import numpy as np
 import pytest
 from farm import run
 from gmsh_files import write_mesh
+from mpi4py import MPI
 
 from fingerfem import SceneError
 from fingerfem.scene.grid_lines import section_mesh
 from fingerfem.scene.scene import Scene
-from fingerfem.snapshots.design import describe
+from fingerfem.snapshots.design import HeldOut, describe
+from fingerfem.snapshots.job import Job, Request
 from fingerfem.snapshots.wrenches import draws, on_plates
 from rom.build import train_rod
 from rom.dataset.sections import section
-from rom.dataset.snapshot_set import SnapshotSet
+from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
+from rom.dataset.trainable import MOST_ACTUATORS, check_trainable
 from rom.elements.samples.section_states import read_section_states
 from rom.elements.samples.symmetry import mirrors
+from rom.native import LIBRARY
 from rom.rod.pressed_check import check_pressed
 from rom.rod.rod import Rod
 from studies.sets import as_toml
@@ -119,10 +123,41 @@ def test_a_section_off_its_axis_is_refused(tmp_path):
         describe(Scene.model_validate(whole), {})
 
 
+SOFT = {"law": "yeoh", "C1": 2.2e5, "C2": 4e4, "D1": 1e-6}
+
+
+@pytest.mark.parametrize(
+    ("tables", "rule"),
+    [
+        (
+            {"materials": [{"name": "part", "region": "section", "x": [0.02, 0.03], "material": SOFT}]},
+            r"materials.part.x must be left out to train elements: .* got \[0.02, 0.03\]; train without",
+        ),
+        ({"geometry": {"segments": [0.055], "plate": 0.002, "taper": [0.9]}}, r"taper must be left out .* got \[0.9\]"),
+        ({"geometry": {"segments": [0.05, 0.05], "plate": 0.002}}, "segments must be one to train elements, got 2"),
+        ({"sampling": {"lines": 3}}, "lines with an answer must be at least 4 to train elements, got 3"),
+    ],
+)
+def test_a_finger_without_elements_is_refused_before_its_states_are_solved(tmp_path, tables, rule):
+    """Held-out states of it are solved: they compare a finger that `rom assemble` made."""
+    scene = Scene.model_validate(table("circle", tmp_path) | tables)
+    with pytest.raises(SnapshotError, match=rule):
+        Job(request=Request(scene=scene, folder=tmp_path / "set"), world=MPI.COMM_SELF)
+    assert not (tmp_path / "set").exists()
+    assert len(describe(scene, {}, HeldOut(count=2)).random) == 2
+
+
+def test_a_finger_of_more_actuators_than_a_rod_may_have_is_refused(tmp_path):
+    scene = table("circle", tmp_path)
+    assert MOST_ACTUATORS == LIBRARY.constants.FINGERFEM_MOST_TENSIONS
+    with pytest.raises(SnapshotError, match="tendons and chambers must be at most 8 to train elements, got 9"):
+        check_trainable(scene | {"tendons": 3 * scene["tendons"], "chambers": 3 * [{}]})
+
+
 @pytest.mark.long
 def test_states_of_a_coarse_round_mesh_are_where_those_of_a_fine_one_begin(tmp_path):
     """Fields go from mesh to mesh by triangles of a section's nodes; the states are those from rest."""
-    sampling = {"sampling": {"lines": 3, "wrenches": 1}, "coarse": {"cells": [12, 4]}}
+    sampling = {"sampling": {"lines": 4, "wrenches": 1}, "coarse": {"cells": [12, 4]}}
     scene = tmp_path / "scene.toml"
     scene.write_text(as_toml(table("circle", tmp_path) | sampling))
     run(1, scene, tmp_path / "coarse", "--coarse")

@@ -129,8 +129,8 @@ def test_a_budget_ends_a_run_and_another_goes_on(scene, grown, tmp_path):
     [
         ("pressed", ("--budget", "soon"), "budget must be a time such as 90s, 30min or 2h, got 'soon'"),
         ("pressed", ("--budget", "0s"), "budget must be a time such as 90s, 30min or 2h, got '0s'"),
-        ("pressed", ("--until", "0"), "until must lie in (0, 1), got 0.0"),
-        ("pressed", ("--until", "nan"), "until must lie in (0, 1), got nan"),
+        ("pressed", ("--until", "0"), 'until must be a share such as "1 %", above 0 and below 100 %, got 0'),
+        ("pressed", ("--until", "nan"), 'until must be a share such as "1 %", above 0 and below 100 %, got nan'),
         ("pressed", ("--until", "0.1", "--random", "3"), "random or points must not be given with until, budget or"),
         ("draft", ("--until", "1 %"), "until must be left out for a scene without a load, got 0.01"),
         ("free", ("--budget", "2min"), "budget must be left out for a scene without a load, got 120"),

@@ -45,7 +45,7 @@ order = 2
 [coarse]
 cells = [19, 5]
 [sampling]
-lines = 3
+lines = 4
 wrenches = 1
 """
 

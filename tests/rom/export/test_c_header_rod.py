@@ -423,7 +423,7 @@ def test_the_command_writes_it_and_refuses_what_it_cannot_have(tmp_path):
     done = runner.invoke(app, [*words, str(tmp_path / "other.h"), "--tolerance", "0.01"])
     assert str(done.exception) == "tolerance must be left out for a finger of elements, got 0.01"
     done = runner.invoke(app, [*words, str(tmp_path / "2.h")])
-    assert str(done.exception) == "name must be a C identifier, got 2"
+    assert str(done.exception).startswith("name must be a C identifier") and str(done.exception).endswith("got 2")
     assert [one.name for one in tmp_path.iterdir()] == ["thumb.h"]
 
 

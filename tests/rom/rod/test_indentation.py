@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, nnls
 from scipy.special import ellipe, ellipk
 
 from rom import AmongObjects, Sphere, TouchedSegment
+from rom.rod.compiled.indentation import indentations
+from tests.rom.rod.linear_elasticity import ball_on_edge, cylinder_across_face
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +71,33 @@ def test_a_ball_presses_on_nearly_incompressible_rubber_as_in_contact_of_hertz()
 def test_the_force_does_not_depend_on_where_slices_begin(finger):
     forces = [squeezed(finger, 0.005, 1e-4, aside) for aside in np.linspace(0.0, 7e-4, 8)]
     assert np.ptp(forces) < 0.02 * np.mean(forces)
+
+
+def line_force(poisson, radius, depth, pitch=0.1):
+    """The force of two cylinders across opposite faces, by the compliances of lines: half side and modulus are 1."""
+    count = 41
+    given = indentations((1.0, poisson), 1.0, pitch, count)
+    at = pitch * (np.arange(count) - count // 2)
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    compliance = (given["row_compliance"] + given["opposite_compliance"])[apart]
+    wanted = depth - at**2 / (2 * radius)
+    root = np.linalg.cholesky(compliance)  # forces of at least 0 minimise f C f / 2 - w f
+    return nnls(root.T, np.linalg.solve(root, wanted))[0].sum()
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.49])
+def test_a_line_across_a_face_presses_as_in_linear_elasticity_at_every_poissons_ratio(poisson):
+    change, true = (
+        force(1.2, 0.02, poisson) / force(1.2, 0.02, 0.3)
+        for force in (lambda r, d, nu: line_force(nu, r, d), cylinder_across_face)
+    )
+    assert abs(true - 1) > 0.03 and change == pytest.approx(true, abs=0.02)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("radius", "depth"), [(0.8, 0.03), (0.4, 0.06)])
+def test_an_edge_presses_as_in_linear_elasticity_at_every_poissons_ratio(radius, depth):
+    first, *others = (ball_on_edge(radius, depth, poisson) for poisson in (0.3, 0.0, 0.49))
+    given = np.array([indentations((1.0, nu), 1.0, 0.1, 2)["edge_compliance"] for nu in (0.3, 0.0, 0.49)])
+    assert min(others) < 0.98 * first and max(others) > 1.1 * first
+    assert given[0] / given[1:] == pytest.approx(np.array(others) / first, abs=0.04)

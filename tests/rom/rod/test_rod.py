@@ -91,7 +91,7 @@ WRONG = {
     "no segment": ("geometry.segments", [], "geometry.segments must be at least one and at most 8, got 0"),
     "law": ("material.law", "mooney-rivlin", "material.law must be neo-hookean, .* got mooney-rivlin"),
     "Poisson's ratio": ("material.D1", 1e-9, r"material.D1 \(with C1 = .*\) must be .*, got 1e-09"),
-    "offset": ("tendons.0.offset", [0.003, 0.0], "tendons.F1.offset must be that of a tendon of the elements, one of"),
+    "offset": ("tendons.0.offset", [0.003, 0.0], r"tendons.F1.offset must be .* one of \[0.004, 0.0\], \[0.0"),
     "tension": ("tendons.1.tension", [0.0, 90.0], r"tendons.F2.tension must lie in 0 to 40 N, .* got \[0.0, 90.0\]"),
     "one place twice": (
         "tendons.1.offset",
@@ -116,6 +116,13 @@ WRONG = {
 def test_a_finger_that_the_elements_cannot_make_is_refused_with_what_is_missing(finger, path, value, message):
     with pytest.raises(ModelError, match=message):
         finger.assembled(_changed(path, value))
+
+
+def test_a_scene_without_a_key_is_refused_with_its_name(finger):
+    scene = _changed("name", "short of a side")
+    del scene["geometry"]["side"]
+    with pytest.raises(ModelError, match=r"^side is required in a table of the scene, and missing$"):
+        finger.assembled(scene)
 
 
 def test_inputs_beyond_what_was_trained_are_not_inside(finger):

@@ -288,9 +288,9 @@ REFUSED = {
     "gravity.density must be given, got none": {"direction": [0, 1, 0]},
     "gravity.direction must be given, got none": {"density": 1000.0},
     "gravity.direction must be three numbers, the largest from": {"density": 1000.0, "direction": [0, 0, 0]},
-    "gravity.acceleration must be from 0 to 10000,": {"density": 1.0, "direction": [0, 1, 0], "acceleration": -1},
-    "the rubber's density above 0, got 0": {"density": 0.0, "direction": [0, 1, 0]},
-    "gravity must have the keys .*, got weight": {"density": 1.0, "direction": [0, 1, 0], "weight": 1},
+    "gravity.acceleration must be from 0 to 10000,": {"density": 1e3, "direction": [0, 1, 0], "acceleration": -1},
+    "gravity.density must be from 10 to 30000, got 1.08": {"density": 1.08, "direction": [0, 1, 0]},
+    "gravity must have the keys .*, got weight": {"density": 1e3, "direction": [0, 1, 0], "weight": 1},
 }
 
 

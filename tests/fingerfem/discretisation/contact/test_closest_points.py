@@ -7,7 +7,7 @@ from mpi4py import MPI
 from fingerfem import FingerModel
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.contact.closest_points import ClosestPoints
-from fingerfem.mechanics.obstacles import body
+from fingerfem.mechanics.obstacles import body, touch_at_nodes
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene
 
@@ -18,6 +18,15 @@ BALL = {"shape": "sphere", "centre": [END + 0.003 - 2e-6, 0.0013, 0.0007], "radi
 ROLLER = {"shape": "cylinder", "centre": [END + 0.002, 0.007, 0.0007], "radius": 8**0.5 * 1e-3 + 2e-6}
 AT_CORNER = {"shape": "sphere", "centre": [END + 0.002, 0.007, 0.007], "radius": 12**0.5 * 1e-3 + 2e-6}
 SHAPES = {"face": BALL, "edge": ROLLER | {"axis": [0.3, -0.3, 1.0]}, "corner": AT_CORNER}
+
+RING = {
+    "name": "ring",
+    "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
+    "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
+    "material": {"law": "neo-hookean", "E": 1e6, "nu": 0.3},
+    "tendons": [{"name": "up", "offset": [0.0065, 0.0], "segment": 1, "tension": [0.0, 5.0]}],
+    "mesh": {"cells": [6, 8], "order": 2, "symmetry": False},
+}
 
 
 def points(table: dict, shape: dict, order: int = 1) -> tuple[ClosestPoints, np.ndarray]:
@@ -71,6 +80,26 @@ def test_a_ball_presses_a_face_where_it_is_nearest_between_all_nodes(table):
     assert centre == pytest.approx([END, 0.0013, 0.0007], abs=1e-8)  # facets are slightly domed
     assert springs.gaps == pytest.approx([-2e-6], rel=1e-3)
     assert force[1:] == pytest.approx([0, 0], abs=1e-5 * abs(force[0]))
+
+
+def test_a_ring_of_curved_cells_rolls_on_a_plane():
+    """At every turn the plane presses 10 um deep, towards the axis: at nodes alone with levers of 0.14 radii."""
+    radius, depth = 0.010, 1e-5
+    scene = Scene.model_validate(RING)
+    problem = FingerModel(scene).problem
+    plane = body(Obstacle(distance=[0.001, 0.03], method="penalty"), scene.geometry.shape.top)
+    facets = np.concatenate([problem.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
+    found = ClosestPoints(problem.space, np.sort(facets), STIFFNESS, plane)
+    rest = problem.space.tabulate_dof_coordinates()
+    for angle in np.radians(np.linspace(-16.0, 17.0, 12)):
+        turned = rest @ np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]).T
+        springs = found.springs((turned - rest).ravel(), -depth)
+        assert springs.gaps.min() == pytest.approx(-depth, rel=0.1)  # a side of 16 degrees is a parabola
+        force, at = springs.forces.reshape(-1, 3), turned[springs.nodes.ravel()]
+        torque = np.cross(at, force).sum(axis=0)[0]
+        assert abs(torque) < 2e-2 * radius * np.abs(force[:, 1].sum())
+    straight = Scene.model_validate(RING | {"mesh": {"cells": [6, 8]}})
+    assert touch_at_nodes(straight) and not touch_at_nodes(scene)
 
 
 def test_what_is_held_pulls_only_where_nothing_presses(table):

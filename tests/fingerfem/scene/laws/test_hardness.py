@@ -25,11 +25,17 @@ def test_hardness_30_has_the_modulus_of_gent_s_formula_by_hand():
     assert law.young_modulus == pytest.approx(modulus_of_shore_a(30)) and law.poisson == pytest.approx(0.499)
 
 
+def test_displacements_alone_are_warned_of_in_nearly_incompressible_rubber():
+    with pytest.warns(UserWarning, match=r"formulation = displacement makes cells too stiff at nu = 0.4999"):
+        NeoHookean.model_validate({"E": 3e5, "nu": 0.4999, "formulation": "displacement"})
+
+
 @pytest.mark.parametrize(
     ("law", "table", "rule"),
     [
         (NeoHookean, {"E": 1e6}, "nu must be given beside E, got E = 1000000"),
-        (NeoHookean, {"E": 1e6, "nu": 0.5}, "nu from 0 to 0.49999, got 1e.06 and 0.5"),
+        (NeoHookean, {"E": 1e6, "nu": 0.5}, "nu must be from 0 to 0.49999, such as 0.499 of most rubbers, got 0.5"),
+        (NeoHookean, {"E": 0.3, "nu": 0.49}, "E must be from 1000 to 1e.11 Pa, got 0.3"),
         (NeoHookean, {"E": True, "nu": 0.3}, "E and nu must be numbers, got True"),
         (MooneyRivlin, {"E": 1e6, "nu": 0.49, "C01": "x"}, "C01 must be a number below 3/16"),
         (MooneyRivlin, {"E": 1e6, "nu": 0.3, "C01": 1e6}, "C01 must be a number below 3/16"),

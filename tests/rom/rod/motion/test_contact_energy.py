@@ -92,3 +92,20 @@ def test_the_impulse_of_an_impact_does_not_depend_on_the_step():
         assert forces[begun] > 0
         found.append(length * np.sum(forces[begun : begun + round(2e-3 / length)]))
     assert found[:2] == pytest.approx([found[-1]] * 2, rel=0.1)
+
+
+def test_no_contact_that_begins_beside_another_has_more_impulse_than_the_finger_has_momentum():
+    """A round plate touches a plane at two points, which are close to each other and begin at different steps."""
+    model = TouchedSegment.load("round")
+
+    def tensions(time: float) -> np.ndarray:
+        turn = np.sin(6 * np.pi * np.array([3.0, 1.0, 1.0]) * time)
+        return np.array([1.5 + 0.3 * turn[0], 1.0 + turn[1], 0.5, 1.0 - turn[2]])
+
+    d, length = float(model.outputs([[*tensions(0.0), np.inf]])[0, 4]), 1e-3
+    finger = MovingFinger(model, [*tensions(0.0), d + 2e-4])
+    states = [finger.step([*tensions(k * length), d], length) for k in range(1, 151)]
+    forces = np.array([state.contact_forces[0] for state in states])
+    fastest = max(float(np.linalg.norm(state.velocity)) for state in states)
+    assert np.count_nonzero(forces > 0) > 30
+    assert (forces >= 0).all() and forces.max() * length < finger.lumps.masses.sum() * fastest
