@@ -17,7 +17,7 @@ from control.mujoco.table import STEP, closing_at, table
 from rom import TouchedSegment
 from studies.grasping.approach import bend, feel_table, yield_to
 from studies.grasping.closing import GENTLY, SQUEEZE, Closing
-from studies.grasping.hand import Hand, Look
+from studies.grasping.hand import TOGETHER, Hand, Look
 from studies.grasping.trials import PERIOD, Trial
 
 MOTOR = 200.0  # [N/s], most that a tension changes
@@ -98,12 +98,13 @@ def perform(hand: Hand, one: Trial, layout: Layout) -> dict[str, Any]:
         begun, slips, first = hand.below(), {}, len(hand.forces)
         for phase, axis, aim, seconds in PHASES:
             hand.phase = phase
-            hand.carry(closing.grips, axis, aim + height * (axis == 2), seconds)
+            # up to 3 mm above the table, it may be let go
+            doubt_now = closing.doubt_now if phase == PHASES[0][0] else str
+            hand.carry(closing.grips, axis, aim + height * (axis == 2), seconds, doubt_now)
             slips[phase] = begun - hand.below()
-            if phase == PHASES[0][0]:  # 3 mm above the table
-                doubt = closing.doubt_now()
-                if doubt:
-                    break
+            doubt = doubt_now()
+            if doubt:
+                break
             if abs(slips[phase]) > SLIPPED:
                 return row | {"fate": "dropped", "reason": f"slipped when the arm was to {phase}", "slips": slips}
         row |= {"slips": slips}
@@ -156,5 +157,5 @@ def close(hand: Hand, one: Trial, layout: Layout) -> Closing:
         return closing.targets().tolist()
 
     while hand.simulation.time < begun + CLOSING and not closing.ended:
-        run(closing.grips, hand.driven, 4, targets)
+        run(closing.grips, hand.driven, TOGETHER, targets)
     return closing
