@@ -25,7 +25,7 @@ SETTLING = 0.05  # of a finger that rings [s]
 TOLERANCE = 0.15  # of held forces: a free object balances them among fingers as it likes [-]
 # Errors of the gripper's position once it has felt the table and yielded, along x, y, z, that a plan includes [m].
 FOUND = (0.0015, 0.0015, 0.001)
-# Errors of forces before anything is dropped or crushed [-]; fingers slide from face to face of a mesh, and forces jump.
+# Errors of forces before anything is dropped or crushed [-]. Fingers slide from face to face of a mesh: forces jump.
 MARGINS = {"mesh": 0.3}
 MARGIN = 0.2  # of other shapes [-]
 CLOSING = 6.0  # [s], at most
