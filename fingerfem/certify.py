@@ -52,6 +52,14 @@ class Certificate:
         estimated = self.answer.error
         return bool(self.answer.inside) and all(error <= estimated[name] for name, error in self.errors.items())
 
+    @property
+    def marks(self) -> list[str]:
+        """Sentences with the reasons not to rely on the full-order values."""
+        outside = (
+            f"the full-order mesh has corners {1e3 * self.corners:.2g} mm outside the circle, where contact begins"
+        )
+        return [f"{outside}: train with mesh.order = 2 for a nearer comparison"] * (self.corners > 0)
+
     def as_json(self) -> dict[str, Any]:
         """Plain data: of each quantity the model's answer, full-order value, error, estimated error, in [m] and [N]."""
         full_order = {"tip": self.tip.tolist(), "contact_force": self.contact_force}

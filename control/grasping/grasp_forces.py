@@ -101,7 +101,12 @@ def targets(directions: np.ndarray, held: Object, margin: float = 0.1) -> Target
             raise ValueError(f"faces must be of {len(directions)} fingers, got shape {np.shape(held.faces)}")
         touched = (np.einsum("kij,ij->ki", held.faces, straight) > 0).all()
         highest = most + HARDEST * held.weight
-        added = np.array([_added(directions, one, held, pattern, highest) for one in held.faces if touched])
+        ends = list[tuple[float, float]]()
+        for one in held.faces if touched else ():
+            ends.append(_added(directions, one, held, pattern, highest))
+            if np.isnan(ends[-1]).any():
+                break
+        added = np.array(ends)
         if not (touched and np.isfinite(added).all() and added[:, 0].max() <= added[:, 1].min()):
             slips = "no contact forces balance its weight on all faces that fingers may touch"
             return Targets(contact_forces=nothing, least=np.inf, most=most, reason=slips)

@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from control.mujoco.rubber import Rubber
 from control.mujoco.sections import bodies_of
-from control.mujoco.surface import SHAPES, Near, Surface
+from control.mujoco.surface import Near, Surface, is_known
 from rom.brief import brief
 
 
@@ -65,7 +65,7 @@ class RubberContacts:
         self._surfaces = [Surface(model, data, one) for one in rubber]
         self._pairs = list[Pair]()
         self._finger_of = np.full(model.ngeom + 1, -1)  # of blocks of rubber; the last one for none, as of a flex
-        self._object = np.append(np.isin(model.geom_type, list(SHAPES)), False)
+        self._object = np.append([is_known(model, geom) for geom in range(model.ngeom)], False)
         for k, one in enumerate(rubber):
             rod = one.attached.rod
             self._object[:-1][np.isin(model.geom_bodyid, one.bodies)] = False

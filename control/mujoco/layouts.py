@@ -21,7 +21,7 @@ HEIGHTS = (-0.004, -0.002, 0.0, 0.002, 0.004)
 CURVED = ("sphere", "mesh")
 LOWEST = 0.0075  # height above the largest error at which tilted plates are clear of the table [m]
 PLANNED = 3  # best candidates by `Solid.room` of which contact forces are computed
-TRIED = 12  # most of them, while none has contact forces
+TRIED = 24  # most of them, while none has contact forces
 
 
 @brief

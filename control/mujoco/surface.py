@@ -10,7 +10,7 @@ import numpy as np
 from control.mujoco.rubber import Rubber
 from rom.native import LIBRARY, pointer
 from rom.rod.compiled import memory_of
-from rom.rod.objects.polyhedron import polyhedron
+from rom.rod.objects.polyhedron import MOST_CORNERS, polyhedron
 
 KINDS, NUMBERS = mujoco.mjtGeom, LIBRARY.constants
 HULL = NUMBERS.FINGERFEM_HULL
@@ -24,6 +24,15 @@ SHAPES = {  # of rom.native, by those of MuJoCo
 }
 ROUNDING = 1e-6  # of a hull [m]
 SIGNS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+
+
+def is_known(model: mujoco.MjModel, geom: int) -> bool:
+    """True if a geom has one of SHAPES, and the hull of a mesh not too many corners."""
+    kind = int(model.geom_type[geom])
+    if kind != KINDS.mjGEOM_MESH:
+        return kind in SHAPES
+    graph = model.mesh_graphadr[model.geom_dataid[geom]]  # MuJoCo's hull begins with the number of its corners
+    return bool(graph >= 0 and model.mesh_graph[graph] <= MOST_CORNERS)
 
 
 class Near:

@@ -10,7 +10,7 @@ from control import Gripper
 from control.grasping.grasp_controller import Grip
 
 GENTLY = 0.4  # of the held force, with which fingers wait for each other [-]
-SAFE = 0.97  # share of the force that crushes [-]
+SAFE = 0.9  # share of the force that crushes: readings of a growing force are late [-]
 SQUEEZE = 0.3  # from there to the held force [s]
 
 

@@ -21,6 +21,7 @@ FELT = 0.15  # of the held force: a change by so much is the table's, when a sol
 SLOWLY = 0.005  # speed at which a solid approaches the table [m/s]
 # Fingers that open become longer: so they open where they cannot be pressed on the table.
 CLEAR, CLEARING, OPENING = 0.002, 0.2, 0.6  # how far above it [m]; how long that and opening take [s]
+TOGETHER = 4  # periods after which it is decided whether to go on
 Look = Callable[[Simulation], None]
 
 
@@ -80,16 +81,20 @@ class Hand:
         """Readings after a period at tensions, shape (fingers, tensions); shape (fingers,) [N]."""
         return np.array([plant.pull(own) for plant, own in zip(self.driven, tensions, strict=True)])
 
-    def carry(self, grips: list[Grip], axis: int, aim: float, seconds: float) -> None:
-        """Move one axis of the arm smoothly to its goal [m, rad], while the fingers hold."""
+    def carry(self, grips: list[Grip], axis: int, aim: float, seconds: float, doubt: Callable[[], str] = str) -> None:
+        """Move one axis of the arm smoothly to its goal [m, rad], while the fingers hold, until there is a doubt."""
         steps, begun = round(seconds / PERIOD), float(self.mount[axis])
+        shares = iter((np.arange(steps) + 1) / steps)
 
-        def move(k: int) -> None:
-            share = (k + 1) / steps
+        def move(_: int) -> None:
+            share = next(shares)
             self.mount[axis] = begun + share**3 * (10 - 15 * share + 6 * share**2) * (aim - begun)
             self.look()
 
-        run(grips, self.driven, steps, move)
+        for first in range(0, steps, TOGETHER):
+            if doubt():
+                return
+            run(grips, self.driven, min(TOGETHER, steps - first), move)
 
     def put_down(self, grips: list[Grip], table: float) -> None:
         """Go down slowly until the table is felt, at most to a height of the arm [m], a little up, and open.

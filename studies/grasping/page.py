@@ -10,8 +10,8 @@ import numpy as np
 
 FATES = ("held", "let go", "dropped", "crushed", "refused")
 REASONS = {  # parts of the reasons for which a solid was not lifted, for people
-    "finds": "a finger found its face more than 8 mm from where it should be",
-    "the solid is": "the fingers found the solid more than 6 mm from their axis",
+    "finds": "a finger found its face more than 6 mm from where it should be",
+    "the solid is": "the fingers found the solid more than 4 mm from their axis",
     "near the admissible": "a finger measured nearly the admissible force, and the hand opened",
     "no_contact": "a finger measured no contact up to its highest tension",
     "lost_contact": "a finger lost contact",

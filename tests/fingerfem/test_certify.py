@@ -11,7 +11,7 @@ import pytest
 from farm import ROOT
 
 from fingerfem import load_scene
-from fingerfem.certify import Certifier, corners_outside, full_order_scene
+from fingerfem.certify import Certificate, Certifier, corners_outside, full_order_scene
 from fingerfem.scene.scene import Scene
 from rom import SeparatedModel, TouchedSegment
 from rom.build import separate_grid
@@ -65,6 +65,9 @@ def test_corners_of_straight_cells_are_outside_a_circle_by_the_share_that_keeps_
     straight, curved = map(corners_outside, scenes)
     assert curved == 0 and 0.002 * radius < straight < 0.02 * radius
     assert corners_outside(load_scene(ROOT / "scenes" / "draft.toml")) == 0
+    compared = {"answer": None, "tip": np.zeros(3), "contact_force": None, "factorisations": 0}
+    (mark,) = Certificate(**compared, corners=straight).marks
+    assert f"{1e3 * straight:.2g} mm outside the circle" in mark and not Certificate(**compared).marks
 
 
 def test_a_longer_finger_has_as_long_cells():

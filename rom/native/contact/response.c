@@ -112,13 +112,7 @@ void response_yields(const contact_problem *problem, const contact_state *state,
             for (int i = 0; i < W; i++) soft[W * arms->bodies[a] + i][c] += problem->share * acting->slope * acting->wrenches[a][i];
     }
     small_substitute_columns(size, CHAIN_WRENCH, state->factors[0], state->exchanged, soft);
-    for (int i = 0; i < size; i++) {
-        const double *row = state->at.chain.bodies[i / W].motion[i % W];
-        small_columns sum = {0.0};
-        for (int j = 0; j < size; j++)
-            for (int c = 0; c < SMALL_COLUMNS; c++) sum[c] += row[j] * soft[j][c];
-        memcpy(motions[i], sum, sizeof sum);
-    }
+    for (int i = 0; i < size; i++) small_combine(size, state->at.chain.bodies[i / W].motion[i % W], soft, motions[i]);
 }
 
 void response_press(const placed *at, int k, double force, double *wrench)

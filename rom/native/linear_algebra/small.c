@@ -54,28 +54,40 @@ void small_substitute(int size, int stride, const double *factors, const int *ex
     }
 }
 
-/* row -= sum_j factors_j rows_j over j = first ... last - 1. */
-static void subtract(int first, int last, const double *factors, small_columns *rows, double *row)
+/* By four sums, none of which waits for another. */
+void small_combine(int count, const double *factors, const small_columns *rows, double *found)
 {
-    small_columns own;
-    memcpy(own, row, sizeof own);
-    for (int j = first; j < last; j++)
-        for (int c = 0; c < SMALL_COLUMNS; c++) own[c] -= factors[j] * rows[j][c];
-    memcpy(row, own, sizeof own);
+    small_columns one = {0.0}, two = {0.0}, three = {0.0}, four = {0.0};
+    int j = 0;
+    for (; j + 3 < count; j += 4)
+        for (int c = 0; c < SMALL_COLUMNS; c++) {
+            one[c] += factors[j] * rows[j][c];
+            two[c] += factors[j + 1] * rows[j + 1][c];
+            three[c] += factors[j + 2] * rows[j + 2][c];
+            four[c] += factors[j + 3] * rows[j + 3][c];
+        }
+    for (; j < count; j++)
+        for (int c = 0; c < SMALL_COLUMNS; c++) one[c] += factors[j] * rows[j][c];
+    for (int c = 0; c < SMALL_COLUMNS; c++) found[c] = one[c] + two[c] + three[c] + four[c];
 }
 
 void small_substitute_columns(int size, int stride, const double *factors, const int *exchanged, small_columns *right)
 {
+    small_columns sum;
     for (int k = 0; k < size; k++) {
         small_columns swap;
         memcpy(swap, right[k], sizeof swap);
         memcpy(right[k], right[exchanged[k]], sizeof swap);
         memcpy(right[exchanged[k]], swap, sizeof swap);
     }
-    for (int i = 1; i < size; i++) subtract(0, i, factors + stride * i, right, right[i]);
+    for (int i = 1; i < size; i++) {
+        small_combine(i, factors + stride * i, right, sum);
+        for (int c = 0; c < SMALL_COLUMNS; c++) right[i][c] -= sum[c];
+    }
     for (int i = size - 1; i >= 0; i--) {
-        subtract(i + 1, size, factors + stride * i, right, right[i]);
-        for (int c = 0; c < SMALL_COLUMNS; c++) right[i][c] *= factors[stride * i + i];
+        const double *row = factors + stride * i + i;
+        small_combine(size - 1 - i, row + 1, right + i + 1, sum);
+        for (int c = 0; c < SMALL_COLUMNS; c++) right[i][c] = (right[i][c] - sum[c]) * row[0];
     }
 }
 

@@ -44,6 +44,7 @@ void small_substitute(int size, int stride, const double *factors, const int *ex
 /* The same of several right sides, (size). */
 enum { SMALL_COLUMNS = 8 };
 typedef double small_columns[SMALL_COLUMNS];
+void small_combine(int count, const double *factors, const small_columns *rows, double *found); /* sum_j factors_j rows_j */
 void small_substitute_columns(int size, int stride, const double *factors, const int *exchanged, small_columns *right);
 
 /* Number of negative eigenvalues of a matrix's symmetric part, by the signs of its pivots (Sylvester); it is spoilt. */

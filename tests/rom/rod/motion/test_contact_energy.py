@@ -80,6 +80,17 @@ def test_rebounds_take_energy(bundled, shape, on, radius):
     assert (np.maximum.accumulate(means) < (1 + GROWTH) * means[0]).all() and means[-1] < 0.8 * means[0]
 
 
+@pytest.mark.parametrize("shape", ["plane", "ball", "cylinder"])
+def test_on_rubber_it_comes_to_rest_where_it_rests(bundled, shape):
+    model, d = pressed(bundled, shape, "rubber")
+    finger = MovingFinger(model, [TENSION, 0.0, np.inf], DENSITY)
+    for ahead in [*np.linspace(2e-3, 0.0, 9), 0.0, 0.0]:
+        state = finger.step([TENSION, 0.0, d + ahead], 0.05, at_rest=True)
+    at = model.evaluate([TENSION, 0.0, d])
+    assert state.status == "converged" and state.tip == pytest.approx(at.tip, abs=1e-9)
+    assert state.contact_forces[0] == pytest.approx(float(at.contact_force), rel=1e-6)
+
+
 def test_the_impulse_of_an_impact_does_not_depend_on_the_step():
     found = []
     for length in (5e-4, 2.5e-4, 1.25e-4):
