@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 from control.mujoco import Simulation
-from control.mujoco.solids import SHAPES
+from control.mujoco.solids import POSE_ERROR, SHAPES
 from rom import TouchedSegment
 from studies.grasping.task import LIFT, attempt
 from studies.grasping.trials import PERIOD, trial
@@ -41,7 +41,7 @@ class Film:
 
     def look(self, simulation: Simulation) -> None:
         """To be called after every period."""
-        is_up = simulation.data.ctrl[2] > LIFT - 1e-6
+        is_up = simulation.data.ctrl[2] > LIFT - 1.5 * POSE_ERROR  # the height includes the error found at the table
         if self._looks % EVERY == 0 if self.kind == "moving" else is_up and not self.pictures:
             self.pictures.append(self.draw(simulation))
         self._looks += 1
