@@ -81,11 +81,7 @@ def test_a_page_is_stale_once_its_study_or_its_template_changes(study, monkeypat
     parts.finished(run_of(study), [{"length": 0.0123456}], 60.0)
     sections.write_page("lengths", out)
     text = (sections.DOCS / "lengths.md").read_text()
-    assert (
-        text.startswith("<!-- begin lengths -->\n# Lengths\n0.0123\n")
-        and "commit 0123abc" in text
-        and "rows 1.0" in text
-    )
+    assert text.startswith("<!-- begin lengths -->\n# Lengths\n0.0123\n") and "commit 0123abc" in text
     assert sections.stale() == []
     for file in ("own.py", "page.md.j2"):
         before = (study / file).read_text()
