@@ -22,7 +22,7 @@ def _same(*names: str) -> dict[str, str]:
 
 
 OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
-GRASPS = {one: f"grasps:{one}" for one in ("first", "second", "third", "fourth")}  # up to the tenth fifty
+GRASPS = {one: f"grasps:{one}" for one in ("first", "second", "third")}  # up to the tenth fifty
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
