@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from rom.bundled import file_of
+from rom.build import train_rod
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.plane_check import check
 from rom.rod.pressed_check import check_pressed
 from rom.rod.rod import Rod
 from studies import sets
-from studies.parts import Run
+from studies.parts import ROOT, Run
 from studies.rods import plans
 
+ROUND = ROOT / "scenes" / "silicone" / "round_pressed.toml"
 TAPERS = {"square": (0.9, 0.7, 0.5), "circle": (0.7, 0.5)}
 COUNT, SEED = 10, 5  # states
 LENGTH, PLANE = 0.050, (0.001, 0.031)  # of the square finger, distances of its plane; of a longer one, longer [m]
@@ -23,8 +24,10 @@ LINES = 24
 
 
 def straight(run: Run, section: str) -> Rod:
-    """The finger that elements were trained on: the draft one, or the bundled round one."""
-    return plans.rod(run, plans.LARGE) if section == "square" else Rod.load(file_of("round"))
+    """The finger that elements were trained on: the draft one, or the bundled round one on its first mesh alone."""
+    if section == "square":
+        return plans.rod(run, plans.LARGE)
+    return train_rod(sets.training(sets.written(run.sets, "round pressed", ROUND.read_text())), {}, [])
 
 
 def scene(finger: Rod, taper: float) -> dict[str, Any]:
