@@ -104,14 +104,13 @@ def test_a_long_capsule_presses_as_a_cylinder(rod):
     assert forces[0] == pytest.approx(forces[1], rel=1e-9) and forces[0] > 0.5
 
 
-@pytest.mark.parametrize(("euler", "most"), [("90 0 0", 0.02), ("70 0 0", 0.06), ("0 90 0", 0.02)])
-def test_the_ends_of_a_cylinder_press_as_those_of_a_prism(rod, euler, most):
-    """With the rim alone on the rubber, prisms of 24 to 96 sides have forces from 1.06 to 1.12 N."""
+@pytest.mark.parametrize("euler", ["90 0 0", "0 90 0"])
+def test_the_ends_of_a_cylinder_press_as_those_of_a_prism(rod, euler):
     forces = [
         pressed(rod, f'{kind} pos="0.027 0.016 0.001" euler="{euler}"', tension=20.0)[1]
         for kind in ('type="cylinder" size="0.008 0.006"', 'type="mesh" mesh="prism"')
     ]
-    assert forces[0] == pytest.approx(forces[1], rel=most) and forces[0] > 0.3
+    assert forces[0] == pytest.approx(forces[1], rel=0.02) and forces[0] > 0.3
 
 
 def test_an_ellipsoid_touches_the_blocks(rod):
