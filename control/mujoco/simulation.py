@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 
 from control.motion import for_each
 from control.mujoco.attach import FAST, Attached
-from control.mujoco.contacts import RubberContacts
-from control.mujoco.coulomb import solve
+from control.mujoco.contact.coulomb import solve
+from control.mujoco.contact.rubber_contacts import RubberContacts
 from control.mujoco.rubber import Rubber, weigh
 
 INTEGRATORS = {  # which MuJoCo offers alone
@@ -58,7 +58,7 @@ class Simulation:
         left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
         lost: likewise, whether an element's law did not reach its pose. Its force is then linear about the last pose,
             and its contact forces are not valid.
-        unsettled: number of steps since `reset` without convergence to Coulomb's law, see control.mujoco.coulomb.
+        unsettled: number of steps since `reset` without convergence to Coulomb's law (control.mujoco.contact.coulomb).
 
     Args:
         model: compiled after all fingers were attached. It gets elliptic cones and an impratio of at least 1000,
@@ -85,7 +85,7 @@ class Simulation:
             raise ValueError("solver must be Newton or CG, without noslip: others keep the inertia without the rubber")
         self.rate = for_each("rate", rate, fingers[0].rod.parameters)
         self.model, self.fingers, self._coulomb = model, list(fingers), coulomb
-        # Coulomb's law needs a circular friction cone and little creep, see control.mujoco.coulomb.
+        # Coulomb's law needs a circular friction cone and little creep, see control.mujoco.contact.coulomb.
         model.opt.cone, model.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(model.opt.impratio, STICKING)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # failures must stay visible

@@ -198,7 +198,7 @@ def contact_groups(scene: Scene, body: Body, ds: ufl.Measure, fields: Fields, di
     if scene.obstacle.method == "nitsche":
         energy = strain_energy.energy(scene.law, number)
         q = contact.surface_pressure(energy, fields.u, ufl.FacetNormal(domain), normal)
-    if not obstacles.touch_at_nodes(scene):
+    if not contact.touch_at_nodes(scene):
         rubber = ds(regions.RUBBER_FACETS, metadata=contact.springs(contact.POINTS[0]))
         return [ContactGroup(rubber, g, normal, curvature, fields.stiffness, q)]
     if scene.obstacle.method == "penalty":

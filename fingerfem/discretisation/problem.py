@@ -85,7 +85,7 @@ class Problem(Assembly):
 
     def _stiff_facets(self) -> StiffFacets | None:
         """Facets of plates, if contact is between nodes."""
-        if self.scene.obstacle is None or obstacles.touch_at_nodes(self.scene):
+        if self.scene.obstacle is None or contact.touch_at_nodes(self.scene):
             return None
         facets = np.concatenate([self.mesh.facets.find(kind) for kind in regions.PLATE_FACETS])
         stiffer = contact.PLATES if self.scene.obstacle.method == "nitsche" else 1.0
@@ -263,7 +263,7 @@ class Problem(Assembly):
     @cached_property
     def contact_points(self) -> ContactPoints:
         """Possible contact points of this rank's surface: the nodes, or points between them, too."""
-        if obstacles.touch_at_nodes(self.scene):
+        if contact.touch_at_nodes(self.scene):
             facets = np.sort(np.concatenate([self.mesh.facets.find(kind) for kind in regions.SURFACE]))
             nodes = fem.locate_dofs_topological(self.space, self.mesh.mesh.topology.dim - 1, facets)
             return contact_points.at_nodes(self.space, nodes)

@@ -25,9 +25,20 @@ import numpy as np
 import ufl
 
 from fingerfem.mechanics import kinematics, strain_energy
+from fingerfem.mechanics.obstacles import bodies
 
 POINTS = 10, 40  # possible contact points along an edge of facets of rubber and of plates, between nodes
 PLATES = 2.0  # stiffness of the plates' penalty over that of Nitsche's method beside it [-]
+
+
+def touch_at_nodes(scene):
+    """True if a scene's bodies touch the finger at nodes: planes, and a section whose cells have straight sides.
+
+    Otherwise contact with every body is between nodes, too. A circle rolls on a plane; its nodes alone are corners.
+    """
+    section = scene.geometry.shape
+    flat = all(one.is_flat for one in bodies(scene.obstacle, section.top))
+    return flat and not (section.is_round and scene.mesh.order > 1)
 
 
 def gap(obstacle, u, x, distance, maths):

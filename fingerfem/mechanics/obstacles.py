@@ -17,7 +17,6 @@ import ufl
 from scipy.spatial.transform import Rotation
 
 from fingerfem.scene.obstacle import Obstacle, Shape, unit
-from fingerfem.scene.scene import Scene
 
 Vector = tuple[float, ...]  # of three
 Coordinates = Any  # x, y, z: UFL scalars, or arrays of shape (n,) [m]
@@ -274,16 +273,6 @@ def _larger_root(arms: np.ndarray, direction: np.ndarray, radius: float) -> np.n
 def bodies(obstacle: Obstacle | None, top: float) -> list[Body]:
     """The bodies of a scene's obstacle; without one, the plane y = top + d beyond the section's largest y."""
     return [body(one, top) for one in (obstacle.bodies if obstacle else [Shape()])]
-
-
-def touch_at_nodes(scene: Scene) -> bool:
-    """True if a scene's bodies touch the finger at nodes: planes, and a section whose cells have straight sides.
-
-    Otherwise contact with every body is between nodes, too. A circle rolls on a plane; its nodes alone are corners.
-    """
-    section = scene.geometry.shape
-    flat = all(one.is_flat for one in bodies(scene.obstacle, section.top))
-    return flat and not (section.is_round and scene.mesh.order > 1)
 
 
 @singledispatch

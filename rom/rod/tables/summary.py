@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from rom.console.table import NOT_MEASURED, Table, accuracy, parameters, percent
 from rom.dataset.grid import SHARE
-from rom.rod.free_domain import outside_without_contact
 from rom.rod.tables.calibration_tables import calibration_tables
+from rom.rod.tables.free_domain import outside_without_contact
 from rom.rod.weight import weight_of
 
 if TYPE_CHECKING:

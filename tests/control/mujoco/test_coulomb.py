@@ -5,7 +5,7 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from control.mujoco.coulomb import CLOSE, solve  # noqa: E402
+from control.mujoco.contact.coulomb import CLOSE, solve  # noqa: E402
 
 MASS, GRAVITY = 0.2, 9.81
 SLED = """

@@ -3,7 +3,7 @@
 import re
 
 import rom
-from rom.rod.free_domain import outside_without_contact
+from rom.rod.tables.free_domain import outside_without_contact
 
 
 def test_fingers_within_their_domain_are_silent():

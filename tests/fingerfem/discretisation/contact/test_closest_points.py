@@ -7,7 +7,8 @@ from mpi4py import MPI
 from fingerfem import FingerModel
 from fingerfem.discretisation import regions
 from fingerfem.discretisation.contact.closest_points import ClosestPoints
-from fingerfem.mechanics.obstacles import body, touch_at_nodes
+from fingerfem.mechanics.contact import touch_at_nodes
+from fingerfem.mechanics.obstacles import body
 from fingerfem.scene.obstacle import Obstacle
 from fingerfem.scene.scene import Scene
 

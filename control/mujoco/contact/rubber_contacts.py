@@ -20,9 +20,9 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from control.mujoco.contact.surface import Near, Surface, is_known
 from control.mujoco.rubber import Rubber
 from control.mujoco.sections import bodies_of
-from control.mujoco.surface import Near, Surface, is_known
 from rom.brief import brief
 
 
