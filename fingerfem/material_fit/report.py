@@ -80,7 +80,7 @@ def lines(comparison: Comparison) -> list[str]:
         limits.append(f"D1 follows from nu = {comparison.chosen.law.poisson:.6g}, which these tests do not measure")
     else:
         left_out = [one.left_out.rms for one in comparison.fits if one.left_out is not None]
-        poor = f": all are off by more than {percent(WORST)} of the peak stress" if left_out else ""
+        poor = f": the errors of all exceed {percent(WORST)} of the peak stress" if left_out else ""
         limits.append(f"no law is usable{poor}")
     return limits
 

@@ -42,6 +42,14 @@ def test_a_tilted_box_falls_to_the_side_of_its_centre(tilt, height):
     assert rested.grasped == pytest.approx(height / 2, abs=1e-12)
 
 
+def test_a_balanced_solid_falls():
+    """An octahedron on a corner, and a box on an edge below its centre: as by the least touch."""
+    tips = 0.015 * np.concatenate([np.eye(3), -np.eye(3)])
+    octahedron = at_rest(replace(mesh(0), corners=tips + [0.0, 0.0, 0.015]))
+    assert octahedron.grasped == pytest.approx(0.015 / np.sqrt(3), rel=1e-12)
+    assert at_rest(tilted_box(CRITICAL)).grasped in (pytest.approx(TALL / 2), pytest.approx(WIDE / 2))
+
+
 def test_meshes_roll_until_they_stand_on_a_slope_or_cannot_get_lower():
     rolled = 0
     for seed in range(60):

@@ -44,5 +44,5 @@ def test_what_is_unlikely_is_named_with_its_value(name, tmp_path):
 
 def test_no_law_is_chosen_for_stress_that_falls():
     found = compare([replace(ONE, stress=ONE.stress[::-1])], ["neo-hookean", "yeoh"])
-    assert found.chosen is None and "no law is usable: all are off by more than 20 % of the peak stress" in lines(found)
+    assert found.chosen is None and "no law is usable: the errors of all exceed 20 % of the peak stress" in lines(found)
     assert any("no law is nearer than" in one for one in found.doubts)
