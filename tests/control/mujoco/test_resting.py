@@ -45,7 +45,7 @@ def test_a_tilted_box_falls_to_the_side_of_its_centre(tilt, height):
 def test_a_balanced_solid_falls():
     """An octahedron on a corner, and a box on an edge below its centre: as by the least touch."""
     tips = 0.015 * np.concatenate([np.eye(3), -np.eye(3)])
-    octahedron = at_rest(replace(mesh(0), corners=tips + [0.0, 0.0, 0.015]))
+    octahedron = at_rest(replace(mesh(0), corners=tips + np.array([0.0, 0.0, 0.015])))
     assert octahedron.grasped == pytest.approx(0.015 / np.sqrt(3), rel=1e-12)
     assert at_rest(tilted_box(CRITICAL)).grasped in (pytest.approx(TALL / 2), pytest.approx(WIDE / 2))
 
