@@ -56,8 +56,8 @@ class Simulation:
         tensions: current loads, which approach the targets at `rate`, shape (fingers, loads) [N, Pa].
         fingers: as attached.
         left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
-        lost: likewise, whether an element's law did not reach its pose. Its force is then linear about the last pose,
-            and its contact forces are not valid.
+        lost: likewise, whether an element's law did not reach its pose, about which its force is then linear; or an
+            object entered the rubber without contact. The finger's contact forces are not valid.
         unsettled: number of steps since `reset` without convergence to Coulomb's law (control.mujoco.contact.coulomb).
 
     Args:
@@ -143,6 +143,7 @@ class Simulation:
                 self.left[k], self.lost[k] = True, self.lost[k] or not rubber.inside[:, 1].all()
                 self._check(self.fingers[k], rubber.away)
         self._contacts.replace(self.tensions)
+        self.lost |= self._contacts.buried
         # mj_step2, but for the inertia of a step and Coulomb's law
         mujoco.mj_factorM(model, data)
         mujoco.mj_fwdActuation(model, data)

@@ -25,6 +25,8 @@ from control.mujoco.rubber import Rubber
 from control.mujoco.sections import bodies_of
 from rom.brief import brief
 
+BURIED = 0.1  # depth in blocks, over half the side, beyond which a geom must have contacts with rubber [-]
+
 
 @brief
 class Pair(NamedTuple):
@@ -58,12 +60,16 @@ class RubberContacts:
         model: compiled.
         data: its state.
         rubber: of every finger.
+
+    Attributes:
+        buried: whether a geom was in the rubber without contact since `reset`, as if it were deeper than it is large,
+            shape (fingers,).
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, rubber: list[Rubber]):
         self._model, self._data, self._rubber = model, data, rubber
         self._surfaces = [Surface(model, data, one) for one in rubber]
-        self._pairs = list[Pair]()
+        self._pairs, self.buried = list[Pair](), np.zeros(len(rubber), bool)
         self._finger_of = np.full(model.ngeom + 1, -1)  # of blocks of rubber; the last one for none, as of a flex
         self._object = np.append([is_known(model, geom) for geom in range(model.ngeom)], False)
         for k, one in enumerate(rubber):
@@ -84,24 +90,30 @@ class RubberContacts:
 
     def reset(self) -> None:
         """Forget all contacts."""
-        self._pairs = []
+        self._pairs, self.buried = [], np.zeros_like(self.buried)
         for one in self._surfaces:
             one.reset()
 
     def replace(self, tensions: np.ndarray) -> None:
         """Replace contacts of blocks, after mj_step1 and `Rubber.pull`, at tensions of shape (fingers, t) [N]."""
         model, data, templates = self._model, self._data, dict[tuple[int, int], Any]()
+        deepest = dict[tuple[int, int], float]()  # by how far a geom is in the blocks [m]
         self._pairs, geoms = [], data.contact.geom.copy()
         fingers = self._finger_of[geoms]
         for k in np.flatnonzero((fingers >= 0).any(axis=1) & self._object[geoms].any(axis=1)).tolist():
             side = int(fingers[k, 1] >= 0)
-            templates.setdefault((int(fingers[k, side]), int(geoms[k, 1 - side])), copy.copy(data.contact[k]))
+            met = int(fingers[k, side]), int(geoms[k, 1 - side])
+            templates.setdefault(met, copy.copy(data.contact[k]))
+            deepest[met] = max(deepest.get(met, 0.0), -data.contact[k].dist)
             data.contact[k].exclude, data.contact[k].efc_address = 1, -1
         for finger, surface in enumerate(self._surfaces):
             rubber = self._rubber[finger]
             near = surface.find([geom for one, geom in templates if one == finger], tensions[finger])
             pairs = [self._add(templates[finger, geom], one, rubber) for geom, one in near]
             self._pairs += [pair for pair in pairs if len(pair.chosen)]
+            most = BURIED * float(rubber.attached.rod.half_lengths[1:].min())
+            for (geom, _), pair in zip(near, pairs, strict=True):
+                self.buried[finger] |= not len(pair.chosen) and deepest[finger, geom] > most
         if not templates:
             return
         mujoco.mj_makeConstraint(model, data)

@@ -113,6 +113,14 @@ def test_the_ends_of_a_cylinder_press_as_those_of_a_prism(rod, euler):
     assert forces[0] == pytest.approx(forces[1], rel=0.02) and forces[0] > 0.3
 
 
+def test_an_object_deeper_than_it_is_large_is_marked(rod):
+    simulation, _ = pressed(rod, 'type="sphere" size="0.0003" pos="0.027 0.0075 0"')
+    assert simulation.lost.all()
+    simulation, found = pressed(rod, 'type="sphere" size="0.001" pos="0.027 0.0085 0"')
+    small = Sphere(centre=(0.027, 0.0085, 0.0), radius=0.001, direction=(0, 1, 0), distances=(-0.02, 0.02))
+    assert found == pytest.approx(force(rod, small), rel=0.003) and not simulation.lost.any()
+
+
 def test_an_ellipsoid_touches_the_blocks(rod):
     simulation, found = pressed(rod, 'type="ellipsoid" size="0.01 0.01 0.011" pos="0.027 0.021 0"')
     ball = Sphere(centre=(0.027, 0.021, 0.0), radius=0.01, direction=(0, 1, 0), distances=(-0.01, 0.02))
