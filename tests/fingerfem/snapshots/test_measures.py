@@ -168,7 +168,7 @@ def test_a_finger_whose_measures_are_not_round_is_trained_on_two_meshes(tmp_path
     scene.write_text(NOT_ROUND)
     run(2, scene, tmp_path / "coarse", "--coarse")
     report = run(2, scene, tmp_path / "fine", "--near", str(tmp_path / "coarse"))
-    assert report["failed"] == 0 and report["states"] == 6
+    assert report["failed"] == 0 and report["states"] == 8
     states = read_section_states(SnapshotSet(tmp_path / "fine"))
-    assert len(states.inputs) == 6 and np.isfinite(states.corner_changes).all()
+    assert len(states.inputs) == 8 and np.isfinite(states.corner_changes).all()
     assert states.at[-1] + states.scene["geometry"]["plate"] == pytest.approx(sum(states.scene["geometry"]["segments"]))
