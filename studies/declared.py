@@ -22,7 +22,8 @@ def _same(*names: str) -> dict[str, str]:
 
 
 OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
-GRASPS = {one: f"grasps:{one}" for one in ("first", "second", "third")}  # up to the tenth fifty
+FIFTIES = "first second third fourth fifth sixth seventh eighth ninth tenth"
+GRASPS = {fifty: f"grasps:{fifty}" for fifty in FIFTIES.split()}
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
