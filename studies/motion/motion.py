@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 
 from rom import Cylinder, MovingFinger, Plane, Rod, Sphere, TouchedSegment
 from rom.dataset.sections.section import top
-from studies.motion.fingers import DENSITY, Table, table, touching, trained
+from studies.motion.fingers import DENSITY, DISTANCES, Table, table, touching, trained
 from studies.parts import Run
 
 PRONY, SLOW = [[0.2, 0.01], [0.1, 0.3]], [[0.2, 0.5], [0.2, 300.0]]  # branches: modulus [-], time [s]
@@ -37,8 +38,13 @@ MOTIONS: dict[str, Table] = {
 ROUND = "step", "ramps", "release", "moving base", "sine", "pulse"
 OF = {"square": tuple(MOTIONS), "two segments": tuple(MOTIONS), "ring": ROUND}
 TIME = {"end": 0.15, "step": STEP}
-IMPACT = {"time": {"end": 0.06, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]], "d": 0.006}}
+FALLING = {"up": [[0.0, 0.0], [0.01, 1.5]]}  # tension of an impact [N]
+IMPACTS: dict[str, Table] = {
+    "plane": {"time": {"end": 0.06, "step": SHORT}, "loads": FALLING | {"d": 0.006}},
+    "ball": {"time": {"end": 0.028, "step": SHORT}, "loads": FALLING | {"d": 0.002}},
+}
 HELD = {"time": {"end": 3600.0, "step": 60.0}, "loads": {"up": [[0.0, 0.0], [0.5, 4.0]], "d": 0.006}}
+BALL: Table = {"centre": [0.079, 0.025, 0.0], "radius": 0.015}  # before the plate of the square finger [m]
 FILTER = 1e-3  # mean of the impact's force over this time [s]
 HALVINGS, FINE = (5e-4, 2.5e-4, 1.25e-4), 1.5625e-5  # steps of the order of convergence, and of its reference [s]
 TENDONS = 4  # of the square finger
@@ -62,9 +68,8 @@ def full_order(scene: Table, motion: Table) -> tuple[Any, dict[str, np.ndarray]]
     return given, {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def followed(rod: Rod, prony: list[list[float]], given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
+def followed(model: TouchedSegment, given: Any, times: np.ndarray, at_rest: bool = False) -> Iterator[Any]:
     """States of the rod at times but the first; where loads jump, a short step comes first."""
-    model = touching(rod, prony)
 
     def point(time: float, after: bool = False) -> np.ndarray:
         tensions, d = given.loads(time, after)
@@ -83,7 +88,7 @@ def tips(run: Run, finger: str, name: str) -> dict[str, Any]:
     rod = trained(run, finger)
     given, full = full_order(table(rod, PRONY), {"time": TIME} | MOTIONS[name])
     theirs = np.array([full[f"tip_{axis}"] for axis in "xyz"]).T
-    states = list(followed(rod, PRONY, given, full["time"]))
+    states = list(followed(touching(rod, PRONY), given, full["time"]))
     error = np.linalg.norm([one.tip for one in states] - theirs[1:], axis=1)
     way = np.linalg.norm(theirs - theirs[0], axis=1).max()
     return {
@@ -94,10 +99,14 @@ def tips(run: Run, finger: str, name: str) -> dict[str, Any]:
     }
 
 
-def impact(rod: Rod) -> dict[str, Any]:
-    """Relative errors of an impact's peak force, filtered, and of its impulse."""
-    given, full = full_order(table(rod, PRONY, before_plane=True), IMPACT)
-    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(rod, PRONY, given, full["time"]))]
+def impact(rod: Rod, on: str) -> dict[str, Any]:
+    """Relative errors of the peak force of an impact on an object, filtered, and of its impulse."""
+    scene, model = table(rod, PRONY, before_plane=True), touching(rod, PRONY)
+    if on == "ball":
+        scene["obstacle"] |= {"shape": "sphere", "direction": [0.0, 1.0, 0.0]} | BALL
+        model = replace(model, obstacle=Sphere(direction=(0.0, 1.0, 0.0), distances=DISTANCES, **BALL))
+    given, full = full_order(scene, IMPACTS[on])
+    ours = [0.0, *(float(one.contact_forces[0]) for one in followed(model, given, full["time"]))]
     forces, steps = (full["contact_force"], np.array(ours)), round(FILTER / SHORT)
     peaks = [float(np.convolve(one, np.ones(steps) / steps, "same").max()) for one in forces]
     impulses = [float(np.diff(full["time"]) @ one[1:]) for one in forces]  # a force is the mean over the step before
@@ -112,7 +121,7 @@ def impact(rod: Rod) -> dict[str, Any]:
 def held(rod: Rod) -> dict[str, Any]:
     """An hour against the plane, in steps of a minute: relative errors of force and tip at its end."""
     given, full = full_order(table(rod, SLOW, before_plane=True), HELD)
-    *_, last = followed(rod, SLOW, given, full["time"], at_rest=True)
+    *_, last = followed(touching(rod, SLOW), given, full["time"], at_rest=True)
     tip = np.array([full[f"tip_{axis}"][-1] for axis in "xyz"])
     return {
         "force": float(last.contact_forces[0] / full["contact_force"][-1] - 1),
@@ -184,7 +193,7 @@ def measure(run: Run) -> dict[str, Any]:
     rod = trained(run, "square")
     return {
         "tips": {f"{finger}, {name}": run.once(f"{finger}, {name}", tips, run, finger, name) for finger, name in pairs},
-        "impact": run.once("impact", impact, rod),
+        "impacts": {on: run.once(f"impact on a {on}", impact, rod, on) for on in IMPACTS},
         "held": run.once("held", held, rod),
         "order": run.once("order", order, rod),
         "times": run.once("times", step_times, rod),
