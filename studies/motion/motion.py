@@ -38,12 +38,9 @@ MOTIONS: dict[str, Table] = {
 ROUND = "step", "ramps", "release", "moving base", "sine", "pulse"
 OF = {"square": tuple(MOTIONS), "two segments": tuple(MOTIONS), "ring": ROUND}
 TIME = {"end": 0.15, "step": STEP}
-FALLING = {"up": [[0.0, 0.0], [0.01, 1.5]]}  # tension of an impact [N]
-IMPACTS: dict[str, Table] = {
-    "plane": {"time": {"end": 0.06, "step": SHORT}, "loads": FALLING | {"d": 0.006}},
-    "ball": {"time": {"end": 0.028, "step": SHORT}, "loads": FALLING | {"d": 0.002}},
-}
+IMPACT = {"time": {"end": 0.06, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]]}}
 HELD = {"time": {"end": 3600.0, "step": 60.0}, "loads": {"up": [[0.0, 0.0], [0.5, 4.0]], "d": 0.006}}
+BEFORE = {"plane": 0.006, "ball": 0.002}  # d of what the plate falls on [m]
 BALL: Table = {"centre": [0.079, 0.025, 0.0], "radius": 0.015}  # before the plate of the square finger [m]
 FILTER = 1e-3  # mean of the impact's force over this time [s]
 HALVINGS, FINE = (5e-4, 2.5e-4, 1.25e-4), 1.5625e-5  # steps of the order of convergence, and of its reference [s]
@@ -105,7 +102,7 @@ def impact(rod: Rod, on: str) -> dict[str, Any]:
     if on == "ball":
         scene["obstacle"] |= {"shape": "sphere", "direction": [0.0, 1.0, 0.0]} | BALL
         model = replace(model, obstacle=Sphere(direction=(0.0, 1.0, 0.0), distances=DISTANCES, **BALL))
-    given, full = full_order(scene, IMPACTS[on])
+    given, full = full_order(scene, IMPACT | {"loads": IMPACT["loads"] | {"d": BEFORE[on]}})
     ours = [0.0, *(float(one.contact_forces[0]) for one in followed(model, given, full["time"]))]
     forces, steps = (full["contact_force"], np.array(ours)), round(FILTER / SHORT)
     peaks = [float(np.convolve(one, np.ones(steps) / steps, "same").max()) for one in forces]
@@ -193,7 +190,7 @@ def measure(run: Run) -> dict[str, Any]:
     rod = trained(run, "square")
     return {
         "tips": {f"{finger}, {name}": run.once(f"{finger}, {name}", tips, run, finger, name) for finger, name in pairs},
-        "impacts": {on: run.once(f"impact on a {on}", impact, rod, on) for on in IMPACTS},
+        "impacts": {on: run.once(f"impact on a {on}", impact, rod, on) for on in BEFORE},
         "held": run.once("held", held, rod),
         "order": run.once("order", order, rod),
         "times": run.once("times", step_times, rod),
