@@ -12,7 +12,7 @@ from rom.files.checked_file import ModelError
 from studies.motion.fingers import DENSITY, DISTANCES, NAMES, table, touching, trained
 from studies.parts import Run
 
-STATES, SEED = 35, 44  # of every finger, free and in contact in turns
+STATES, SEED = 26, 44  # of every finger, free and in contact in turns
 LARGEST = 5.0  # tension [N]
 DEPTHS = 0.3, 0.95  # d over the distance of touch [-]
 MODES = 3
