@@ -18,22 +18,20 @@ DENSITY = 1070.0  # of the rubber [kg/m^3]
 DISTANCES = (0.001, 0.06)  # of the plane [m]
 BUNDLED = ROOT / "scenes" / "silicone" / "square_pressed.toml"
 OFFSET, STRONGEST = 0.0065, 6.0  # of round fingers' two tendons, towards y and z [m]; their largest tension [N]
-ROUND: Table = {
-    "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
-    "sampling": {"lines": 8, "wrenches": 4},
-}
-SECTIONS: dict[str, Table] = {  # with curved cells, so that plates roll
+SAMPLING = {"lines": 8, "wrenches": 4}  # of round fingers
+ROUND: dict[str, Table] = {  # with curved cells, so that plates roll
     "ring": {
         "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
+        "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
         "mesh": {"cells": [6, 7], "order": 2},
     },
     "circle": {
         "section": {"shape": "circle", "diameter": 0.020},
+        "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.0055},  # fewer cells across than by 3 mm
         "mesh": {"cells": [6, 4], "order": 2},
     },
 }
 CELLS, PLATES = 11, (1, 2, 2, 1)  # of two segments: cells along the rubber of each; where the square's tendons end
-NAMES = "square", "two segments", *SECTIONS
 
 
 def trained(run: Run, name: str) -> Rod:
@@ -54,7 +52,7 @@ def training(name: str) -> Table:
         return table
     up, right = (one | {"tension": [0.0, STRONGEST]} for one in table["tendons"][:2])
     tendons = [up | {"offset": [OFFSET, 0.0]}, right | {"offset": [0.0, OFFSET]}]
-    return table | ROUND | SECTIONS[name] | {"name": name, "tendons": tendons}
+    return table | ROUND[name] | {"sampling": SAMPLING, "name": name, "tendons": tendons}
 
 
 def cell(scene: Table) -> float:
