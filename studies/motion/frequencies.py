@@ -12,7 +12,7 @@ from rom.files.checked_file import ModelError
 from studies.motion.fingers import DENSITY, DISTANCES, table, touching, trained
 from studies.parts import Run
 
-STATES = {"square": 30, "two segments": 30, "ring": 24, "circle": 16}  # free and in contact in turns
+STATES = {"square": 35, "two segments": 35, "ring": 18, "circle": 12}  # free and in contact in turns
 SEED = 44
 LARGEST = 5.0  # tension [N]
 DEPTHS = 0.3, 0.95  # d over the distance of touch [-]

@@ -36,9 +36,9 @@ MOTIONS: dict[str, Table] = {
 }
 OF = {
     "square": tuple(MOTIONS),
-    "two segments": ("step", "two steps", "ramps", "release", "moving base", "pulse"),
+    "two segments": tuple(MOTIONS),
     "ring": ("step", "ramps", "release", "pulse"),
-    "circle": ("step", "ramps", "release"),
+    "circle": ("step", "ramps"),
 }
 TIME = {"end": 0.15, "step": STEP}
 IMPACT = {"time": {"end": 0.06, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]], "d": 0.006}}
