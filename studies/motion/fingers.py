@@ -19,16 +19,16 @@ DISTANCES = (0.001, 0.06)  # of the plane [m]
 BUNDLED = ROOT / "scenes" / "silicone" / "square_pressed.toml"
 OFFSET, STRONGEST = 0.0065, 6.0  # of round fingers' two tendons, towards y and z [m]; their largest tension [N]
 SAMPLING = {"lines": 8, "wrenches": 4}  # of round fingers
-ROUND: dict[str, Table] = {  # with curved cells, so that plates roll
+ROUND: dict[str, Table] = {
     "ring": {
         "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
         "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
-        "mesh": {"cells": [6, 7], "order": 2},
+        "mesh": {"cells": [6, 7], "order": 2},  # curved, so that the plate rolls
     },
     "circle": {
         "section": {"shape": "circle", "diameter": 0.020},
         "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.0055},  # fewer cells across than by 3 mm
-        "mesh": {"cells": [6, 4], "order": 2},
+        "mesh": {"cells": [8, 4], "order": 1},  # its outline has 20 corners
     },
 }
 CELLS, PLATES = 11, (1, 2, 2, 1)  # of two segments: cells along the rubber of each; where the square's tendons end
