@@ -17,15 +17,21 @@ Table = dict[str, Any]
 DENSITY = 1070.0  # of the rubber [kg/m^3]
 DISTANCES = (0.001, 0.06)  # of the plane [m]
 BUNDLED = ROOT / "scenes" / "silicone" / "square_pressed.toml"
-OFFSET, STRONGEST = 0.0065, 6.0  # of the ring's two tendons, towards y and z [m]; their largest tension [N]
-RING: Table = {
-    "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
-    "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
-    "mesh": {"cells": [6, 7], "order": 2},  # curved, so that the plate rolls
-    "sampling": {"lines": 8, "wrenches": 4},
+OFFSET, STRONGEST = 0.0065, 6.0  # of round fingers' two tendons, towards y and z [m]; their largest tension [N]
+SAMPLING = {"lines": 8, "wrenches": 4}  # of round fingers
+ROUND: dict[str, Table] = {
+    "ring": {
+        "section": {"shape": "ring", "diameter": 0.020, "bore": 0.010},
+        "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.003},
+        "mesh": {"cells": [6, 7], "order": 2},  # curved, so that the plate rolls
+    },
+    "circle": {
+        "section": {"shape": "circle", "diameter": 0.020},
+        "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.0055},  # fewer cells across than by 3 mm
+        "mesh": {"cells": [8, 4], "order": 1},  # its outline has 20 corners
+    },
 }
 CELLS, PLATES = 11, (1, 2, 2, 1)  # of two segments: cells along the rubber of each; where the square's tendons end
-NAMES = "square", "two segments", "ring"
 
 
 def trained(run: Run, name: str) -> Rod:
@@ -40,13 +46,13 @@ def trained(run: Run, name: str) -> Rod:
 
 
 def training(name: str) -> Table:
-    """The scene of the training: of the bundled square finger, or of the ring."""
+    """The scene of the training: of the bundled square finger, or of a round one."""
     table = tomllib.loads(BUNDLED.read_text())
     if name == "square":
         return table
     up, right = (one | {"tension": [0.0, STRONGEST]} for one in table["tendons"][:2])
     tendons = [up | {"offset": [OFFSET, 0.0]}, right | {"offset": [0.0, OFFSET]}]
-    return table | RING | {"name": name, "tendons": tendons}
+    return table | ROUND[name] | {"sampling": SAMPLING, "name": name, "tendons": tendons}
 
 
 def cell(scene: Table) -> float:

@@ -9,10 +9,11 @@ import numpy as np
 from rom import MovingFinger, TouchedSegment
 from rom.error_statistics import quantiles
 from rom.files.checked_file import ModelError
-from studies.motion.fingers import DENSITY, DISTANCES, NAMES, table, touching, trained
+from studies.motion.fingers import DENSITY, DISTANCES, table, touching, trained
 from studies.parts import Run
 
-STATES, SEED = 35, 44  # of every finger, free and in contact in turns
+STATES = {"square": 35, "two segments": 35, "ring": 18, "circle": 12}  # free and in contact in turns
+SEED = 44
 LARGEST = 5.0  # tension [N]
 DEPTHS = 0.3, 0.95  # d over the distance of touch [-]
 MODES = 3
@@ -33,7 +34,7 @@ def states(run: Run, name: str) -> dict[str, Any]:
     finger = MovingFinger(model, np.append(0 * upper, np.inf), DENSITY)
     errors: dict[str, list[list[float]]] = {kind: [] for kind in KINDS}
     left = {"beyond": 0, "failed": 0}
-    for k in range(STATES):
+    for k in range(STATES[name]):
         tensions, d = upper * random.random(len(upper)), np.inf
         while k % 2 and not DISTANCES[0] <= d <= DISTANCES[1]:
             tensions = upper * random.random(len(upper))
@@ -100,7 +101,7 @@ def bulge(run: Run) -> dict[str, float]:
 
 def measure(run: Run) -> dict[str, Any]:
     """Errors of every finger, and over all fingers by kind."""
-    rows = {name: run.once(name, states, run, name) for name in NAMES}
+    rows = {name: run.once(name, states, run, name) for name in STATES}
     found = {
         name: {kind: [quantiles(own) for own in np.array(one).T] for kind, one in row["errors"].items() if one}
         for name, row in rows.items()
@@ -109,6 +110,6 @@ def measure(run: Run) -> dict[str, Any]:
     return {
         "fingers": found,
         "left": left,
-        "states": STATES * len(NAMES),
+        "states": sum(STATES.values()),
         "bulge": run.once("bulge", bulge, run),
     }

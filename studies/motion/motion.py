@@ -35,8 +35,12 @@ MOTIONS: dict[str, Table] = {
     "sine": {"loads": {"up": {"mean": 2.0, "amplitude": 1.5, "frequency": 6.0, "phase": -1.5707963}}},
     "pulse": {"loads": {"up": 1.0, "right": [[0.0, 0.0], [0.015, 4.0], [0.03, 0.0]]}},
 }
-ROUND = "step", "ramps", "release", "moving base", "sine", "pulse"
-OF = {"square": tuple(MOTIONS), "two segments": tuple(MOTIONS), "ring": ROUND}
+OF = {
+    "square": tuple(MOTIONS),
+    "two segments": tuple(MOTIONS),
+    "ring": ("step", "ramps", "release", "pulse"),
+    "circle": ("step", "ramps"),
+}
 TIME = {"end": 0.15, "step": STEP}
 IMPACT: Table = {"time": {"end": 0.06, "step": SHORT}, "loads": {"up": [[0.0, 0.0], [0.01, 1.5]]}}
 HELD = {"time": {"end": 3600.0, "step": 60.0}, "loads": {"up": [[0.0, 0.0], [0.5, 4.0]], "d": 0.006}}
