@@ -28,7 +28,7 @@ ROUND: dict[str, Table] = {
     "circle": {
         "section": {"shape": "circle", "diameter": 0.020},
         "geometry": {"segments": [0.060], "plate": 0.002, "channel": 0.0055},  # fewer cells across than by 3 mm
-        "mesh": {"cells": [8, 4], "order": 1},  # its outline has 20 corners
+        "mesh": {"cells": [6, 4], "order": 2},
     },
 }
 CELLS, PLATES = 11, (1, 2, 2, 1)  # of two segments: cells along the rubber of each; where the square's tendons end
