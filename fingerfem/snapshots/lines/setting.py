@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
-from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.recorder import Recorder
@@ -91,7 +91,7 @@ class Setting:
             return False
         try:
             self.known.near.begin(self.model, self.numbering, tensions, wrenches=wrenches)
-        except (LoadNotReached, NotConverged):
+        except NotConverged:
             return False
         return True
 

@@ -208,6 +208,20 @@ def test_a_singular_tangent_is_refused_when_it_is_factorised(draft, monkeypatch)
     assert newton.linearise().negative_pivots == 0
 
 
+def test_a_displacement_near_an_equilibrium_settles_there_and_another_is_given_up_after_one_attempt(draft):
+    state = draft.solve([50.0, 20.0], sensitivities=False)
+    continuation, most = draft.continuation, draft.continuation.newton.options.iterations
+    continuation.start([50.0, 20.0], None, 1.001 * state.displacement)
+    continuation.settle()
+    assert np.abs(draft.problem.displacement - state.displacement).max() < 1e-8
+    assert 0 < continuation.iterations <= most and not continuation.wasted
+    continuation.start([50.0, 20.0], None, 10 * state.displacement)
+    with pytest.raises(NotConverged) as failure:
+        continuation.settle()
+    assert failure.value.iterations == continuation.wasted <= 2 * most
+    assert np.array_equal(draft.problem.displacement, 10 * state.displacement)
+
+
 def test_a_linearisation_is_refused_once_another_tangent_is_factorised(draft):
     """Its factors are then those of the other."""
     draft.continuation.rest()

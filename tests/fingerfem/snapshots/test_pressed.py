@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
+from fingerfem.snapshots.lines.solver import LineSolver
 from rom import Rod, TouchedSegment
 from rom.dataset.snapshot_set import SnapshotSet, read_task, task_file
 from rom.elements.samples.section_states import read_section_states
@@ -55,6 +57,18 @@ def test_wrenches_are_forces_on_the_plate_s_surface(pressed_scene):
     half = scene.geometry.half_lengths
     arm = np.cross(force, moment) / size[:, None] ** 2  # the point of the line of action nearest to the centre
     assert (np.linalg.norm(arm, axis=1) <= np.linalg.norm(half) * (1 + 1e-9)).all()
+
+
+def test_held_out_states_of_a_line_begin_at_its_free_state_and_are_those_from_rest(pressed_scene, tmp_path):
+    scene, tensions = load_scene(pressed_scene), [70.0, 20.0]
+    presses = np.array([[0.0] * 6, [0.0, -2.0, 0.5, 0.0, 0.0, 0.0]])
+    points = [[*tensions, *wrench] for wrench in presses]
+    description = describe(scene, {}, SimpleNamespace(points=lambda scene, box: points))
+    model = FingerModel(scene)
+    line = LineSolver(description, model, tmp_path).solve("random-0")
+    solved = model.solve(tensions, wrenches=presses[1:], sensitivities=False)
+    assert line["converged"].all() and np.abs(line["tip"][1] - solved.tip).max() < 1e-8
+    assert line["iterations"][1] < 0.6 * solved.newton_iterations
 
 
 def test_a_set_holds_free_states_and_pressed_ones_with_exact_derivatives(pressed_scene, pressed_set):
