@@ -22,7 +22,7 @@ from rom.elements.samples.element_samples import Samples
 from rom.elements.samples.symmetry import Mirror
 
 DEGREE = 3.0  # weighted degree of a correction's polynomial [-]
-RIDGE = 1e-2  # of the number of rows, on the diagonal of the normal equations: measured, by lines left out [-]
+RIDGES = 1e-4, 1e-3, 1e-2  # of the number of rows, on the diagonal of the normal equations: lines left out choose [-]
 
 
 class Differences(NormalEquations):
@@ -75,7 +75,9 @@ class Differences(NormalEquations):
         return replace(self._law, coefficients=shares * self._law.coefficients).plus(rest)
 
 
-def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_of: dict[int, int]) -> Candidates:
+def correcting(
+    own: Candidates, degree: float, samples: Sequence[Samples], fold_of: dict[int, int], ridge: float
+) -> Candidates:
     """The law of an element that is its own one and a correction.
 
     Args:
@@ -83,6 +85,7 @@ def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_
         degree: that was chosen among these.
         samples: on the finer mesh, of one length each.
         fold_of: of every line of these.
+        ridge: one of RIDGES [-].
     """
     law = own.law(degree)
     powers = law.polynomial.powers[chosen(law.polynomial.powers, own.weights, DEGREE)]
@@ -92,7 +95,7 @@ def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_
         inputs, differences, jacobians = rows_of(left, law.tension_map, law.has_lengths)
         equations.add(inputs, differences, jacobians, np.array([fold_of[line] for line in one.lines.tolist()]))
     equations.add_images(own.images)
-    equations.prior[:] = RIDGE * equations.rows.sum()
+    equations.prior[:] = ridge * equations.rows.sum()
     return replace(own, equations=equations, highest=DEGREE, corrected=(own, degree))
 
 
