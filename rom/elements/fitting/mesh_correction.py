@@ -9,6 +9,7 @@ would be too small at the ends of the ranges.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -75,9 +76,7 @@ class Differences(NormalEquations):
         return replace(self._law, coefficients=shares * self._law.coefficients).plus(rest)
 
 
-def correcting(
-    own: Candidates, degree: float, samples: Sequence[Samples], fold_of: dict[int, int], ridge: float
-) -> Candidates:
+def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_of: dict[int, int]) -> Candidates:
     """The law of an element that is its own one and a correction.
 
     Args:
@@ -85,9 +84,8 @@ def correcting(
         degree: that was chosen among these.
         samples: on the finer mesh, of one length each.
         fold_of: of every line of these.
-        ridge: one of RIDGES [-].
     """
-    law = own.law(degree)
+    law = own.with_variants(degree)
     powers = law.polynomial.powers[chosen(law.polynomial.powers, own.weights, DEGREE)]
     equations = Differences(law, powers, max(fold_of.values()) + 1)
     for one in samples:
@@ -95,8 +93,14 @@ def correcting(
         inputs, differences, jacobians = rows_of(left, law.tension_map, law.has_lengths)
         equations.add(inputs, differences, jacobians, np.array([fold_of[line] for line in one.lines.tolist()]))
     equations.add_images(own.images)
-    equations.prior[:] = ridge * equations.rows.sum()
-    return replace(own, equations=equations, highest=DEGREE, corrected=(own, degree))
+    return replace(own, equations=equations, highest=DEGREE, corrected=law)
+
+
+def with_ridge(correction: Candidates, ridge: float) -> Candidates:
+    """The same correction with another ridge, one of RIDGES [-]."""
+    equations = copy(correction.equations)
+    equations.prior = np.full(len(equations.powers), ridge * equations.rows.sum())
+    return replace(correction, equations=equations)
 
 
 def _without(law: ElementLaw, samples: Samples) -> Samples:

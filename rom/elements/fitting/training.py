@@ -22,7 +22,7 @@ from rom.elements.fitting.calibration import error_factors, floors_of
 from rom.elements.fitting.candidates import Candidates, candidates
 from rom.elements.fitting.contact_error import relative_force_errors
 from rom.elements.fitting.degrees import HIGHEST, best_degrees
-from rom.elements.fitting.mesh_correction import DEGREE, RIDGES, correcting
+from rom.elements.fitting.mesh_correction import DEGREE, RIDGES, correcting, with_ridge
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
 from rom.elements.outline import train_outline
@@ -152,7 +152,7 @@ def train(
     trainings = [(training, degrees)]
     if finer is not None:
         of_corrections = dict.fromkeys(degrees, DEGREE)
-        each = [corrections(training, degrees, finer, ridge) for ridge in RIDGES]
+        each = corrections(training, degrees, finer)
         trainings.append((min(each, key=lambda one: one.score(of_corrections)), of_corrections))
     training, of_laws = trainings[-1]
     places, turned, shorter = training.left_out(of_laws)
@@ -187,18 +187,20 @@ def stroke_errors(off: np.ndarray, pressures: int) -> dict[str, Any]:
     return {name: quantiles(part.max(axis=1)) for name, part in zip(STROKES, parts, strict=True) if part.size}
 
 
-def corrections(training: Training, degrees: dict[str, float], finer: SectionStates, ridge: float) -> Training:
-    """The regressions of the mesh corrections of all elements, see `rom.elements.fitting.mesh_correction`.
+def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> list[Training]:
+    """The regressions of the mesh corrections of all elements, by RIDGES, see `rom.elements.fitting.mesh_correction`.
 
     Args:
         training: on the coarser mesh.
         degrees: that were chosen there.
         finer: states of the same finger on a finer mesh, with the cross-sections of the training's mesh.
-        ridge: of the polynomials, see `mesh_correction` [-].
     """
     of_line, fold = fold_of(finer)
     kinds = {}
     for kind, pairs in cut(finer.at, extent(finer.scene)).items():
         samples = [element_samples(finer, *pair) for pair in pairs]
-        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line, ridge)
-    return Training(states=finer, fold=fold, kinds=kinds)
+        kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line)
+    return [
+        Training(states=finer, fold=fold, kinds={kind: with_ridge(one, ridge) for kind, one in kinds.items()})
+        for ridge in RIDGES
+    ]
