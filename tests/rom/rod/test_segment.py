@@ -45,16 +45,6 @@ def test_a_similar_segment_has_the_same_turns_and_scaled_places(rod, size, modul
     assert inside and also
 
 
-def test_the_plate_s_motion_is_the_difference_of_its_poses(rod):
-    segment = rod.segments[0]
-    _, rotation, motion, _ = segment.place(PULLED)
-    for k, h in enumerate([1e-3] * 2 + [1e-4] * 3 + [1e-6] * 3):
-        ends = [segment.place(PULLED + sign * h * np.eye(8)[k]) for sign in (1, -1)]
-        move, spin = (rotation.T @ (ends[0][part] - ends[1][part]) / (2 * h) for part in (0, 1))
-        turn = [spin[2, 1], spin[0, 2], spin[1, 0]]
-        assert motion[:, k] == pytest.approx([*move, *turn], abs=1e-5 * np.abs(motion[:, k]).max())
-
-
 def test_only_a_tendon_near_a_face_raises_a_ridge_on_it(rod):
     segment = rod.segments[0]
     half = segment.half_lengths[1]

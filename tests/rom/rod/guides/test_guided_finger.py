@@ -1,7 +1,5 @@
 """Friction of tendons in their guides: the law, its history, its work, and what a finger without it answers."""
 
-import copy
-import pickle
 from itertools import pairwise
 
 import numpy as np
@@ -181,15 +179,6 @@ def test_every_segment_of_a_finger_has_its_elements(model):
     assert (
         state.status == "converged" and len(passed) == sum(map(len, rod.pieces)) and (passed[passed > 0] <= 30.0).all()
     )
-
-
-def test_a_history_goes_on_in_a_copy(model):
-    finger = GuidedFinger(model=model, friction=FRICTION)
-    finger.advance([60.0, 0.0, 0.02])
-    others = [pickle.loads(pickle.dumps(finger)), copy.deepcopy(finger)]
-    expected = finger.advance([30.0, 10.0, 0.02])
-    for other in others:
-        assert other.advance([30.0, 10.0, 0.02]).tip == pytest.approx(expected.tip, abs=1e-12)
 
 
 @pytest.mark.parametrize(
