@@ -45,7 +45,8 @@ def fit_material(
     if output is not None and (output.suffix != ".toml" or not output.parent.is_dir()):
         raise ValueError(f"output must end in .toml and be in a folder that exists, got {output}")
     if plot is not None:
-        from fingerfem.material_fit.plot import check_plot, write_plot
+        from fingerfem.material_fit.plot import write_plot
+        from rom.console.command_line import check_plot
 
         check_plot(plot)
     comparison = compare(read_measurements(data_file, test, to), LAWS if law is None else [law], terms, nu)

@@ -19,19 +19,6 @@ BEYOND = 0.25  # of the logarithmic range of the data: how far curves go on, eit
 KPA = 1e-3  # kilopascals per pascal
 
 
-def check_plot(file: Path) -> None:
-    """Refuse a file that could not be written.
-
-    Raises:
-        ValueError: its folder does not exist, or its ending names no format that matplotlib writes.
-    """
-    formats = Figure().canvas.get_supported_filetypes()
-    if file.suffix.removeprefix(".") not in formats:
-        raise ValueError(f"plot must end in one of {', '.join(sorted(formats))}, got {file}")
-    if not file.parent.is_dir():
-        raise ValueError(f"plot must be in a folder that exists, got {file}")
-
-
 def draw(comparison: Comparison) -> Figure:
     """The picture."""
     count = len(comparison.measurements)

@@ -67,7 +67,17 @@ def run(app: Callable[[], None]) -> None:
         app()
 
 
-def check_folder(output: Path) -> None:
+def check_folder(file: Path, option: str = "output") -> None:
     """Refuse a file that could not be written, before there is anything to write."""
-    if not output.parent.is_dir():
-        raise ValueError(f"output must be in a folder that exists, got {output}")
+    if not file.parent.is_dir():
+        raise ValueError(f"{option} must be in a folder that exists, got {file}")
+
+
+def check_plot(file: Path) -> None:
+    """Refuse a picture that could not be written, for its folder or for its format, which the file's ending names."""
+    from matplotlib.figure import Figure
+
+    formats = Figure().canvas.get_supported_filetypes()
+    if file.suffix.removeprefix(".") not in formats:
+        raise ValueError(f"plot must end in one of {', '.join(sorted(formats))}, got {file}")
+    check_folder(file, "plot")

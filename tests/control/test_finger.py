@@ -6,39 +6,6 @@ import pytest
 from control import Finger, Limits
 
 
-@pytest.mark.parametrize("tensions", [[30.0, 20.0], [80.0, 10.0], [5.0, 90.0], [100.0, 100.0]], ids=str)
-def test_a_point_the_tip_can_reach_is_reached(finger, tensions):
-    goal = finger.rest + finger.model.evaluate([*tensions, np.inf]).tip
-    motion = finger.reach(goal)
-    assert motion.status == "converged" and motion.residual < 1e-4
-    assert np.linalg.norm(finger.rest + finger.model.evaluate([*motion.tensions, np.inf]).tip - goal) < 1e-4
-
-
-def test_a_point_out_of_reach_comes_back_flagged_with_the_nearest_answer(finger):
-    goal = np.array([0.0, 0.2, 0.0])
-    motion = finger.reach(goal)
-    assert motion.status == "unreachable"
-    grid = np.array([[f1, f2, np.inf] for f1 in np.linspace(0, 100, 41) for f2 in np.linspace(0, 100, 41)])
-    nearest = np.linalg.norm(finger.rest + finger.model.evaluate(grid).tip - goal, axis=1).min()
-    assert motion.residual <= nearest + 1e-6
-
-
-def test_a_point_out_of_reach_anywhere_comes_back_with_the_nearest_answer(finger):
-    grid = np.array([[f1, f2, np.inf] for f1 in np.linspace(0, 100, 31) for f2 in np.linspace(0, 100, 31)])
-    tips = finger.rest + finger.model.evaluate(grid).tip
-    for goal in np.random.default_rng(2).uniform(-0.06, 0.06, (60, 3)):
-        motion = finger.reach(goal)
-        assert motion.residual <= np.linalg.norm(tips - goal, axis=1).min() + 1e-5
-
-
-def test_reaching_stays_before_the_plane(finger):
-    goal = finger.rest + finger.model.evaluate([60.0, 0.0, np.inf]).tip
-    assert finger.reach(goal).converged
-    motion = finger.reach(goal, distance=0.010)
-    assert motion.status == "unreachable"
-    assert 0.009 < finger.model.evaluate([*motion.tensions, np.inf]).touch_distance <= 0.010 + 1e-9
-
-
 def test_no_reach_before_a_plane_ever_touches_it_and_is_called_converged(finger):
     random = np.random.default_rng(4)
     for tensions, distance in zip(random.random((150, 2)) * 100, random.uniform(0.005, 0.03, 150), strict=True):
@@ -71,10 +38,6 @@ def test_a_plane_a_little_farther_is_held_with_tensions_a_little_different(rod_f
     assert {motion.status for motion in motions} == {"converged"}
     steps = np.abs(np.diff([motion.tensions for motion in motions], axis=0)).max(axis=1)
     assert steps.max() < 1.0  # [N] for 60 um
-
-
-def test_a_start_far_from_touch_still_finds_the_force(finger):
-    assert finger.hold(1.0, 0.020, start=[0.0, 0.0]).converged
 
 
 @pytest.mark.parametrize(("force", "distance"), [(1.0, 0.0309), (500.0, 0.005)])

@@ -92,18 +92,6 @@ def test_complementarity_is_reported_and_nearly_kept(draft):
     assert free.penetration is None and free.contact_force == 0.0
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("cells", [[20, 5], pytest.param([40, 8], marks=pytest.mark.long)])
-def test_a_pad_under_all_that_touches_has_the_whole_force(planar, cells):
-    """Whatever the mesh: the force on the tip's edge comes from two faces and rests on one pad."""
-    planar["mesh"]["cells"] = cells
-    state = model_of(planar).solve([50.0], 0.005, sensitivities=False)
-    assert state.pad == "fingertip"
-    assert state.pad_pressure * 0.001 * 0.010 == pytest.approx(state.contact_force, rel=1e-9)
-    planar["obstacle"]["pad"] = {"name": "palm", "x": [0.0, 0.045]}
-    assert model_of(planar).solve([50.0], 0.005, sensitivities=False).pad_pressure == 0.0
-
-
 def test_nodal_contact_pressure_sums_up_to_the_contact_force(draft):
     state = draft.solve([60.0, 40.0], 0.010, sensitivities=False)
     draft.take(state)

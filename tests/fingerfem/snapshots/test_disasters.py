@@ -15,7 +15,7 @@ from farm import PATIENCE, ROOT, assert_same, command, run
 
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import ClaimFiles, Locks, why_no_locks
-from rom.dataset.snapshot_set import read_description, read_task, task_file
+from rom.dataset.snapshot_set import read_task, task_file
 
 
 def begun(line: list[str], folder: Path, files: int, **settings) -> subprocess.Popen:
@@ -34,17 +34,6 @@ def only_line(said: str, name: str) -> str:
     assert "Traceback" not in said
     (line,) = [line for line in said.splitlines() if name in line]
     return line
-
-
-@pytest.mark.long
-def test_a_job_that_is_killed_leaves_a_set_that_the_next_completes(scene, undisturbed, tmp_path):
-    job = begun(command(2, scene, tmp_path / "set"), tmp_path / "set", 3)
-    os.killpg(job.pid, signal.SIGKILL)
-    job.communicate()
-    assert len(list((tmp_path / "set" / "tasks").glob("*.npz"))) < len(read_description(undisturbed).tasks)
-    run(2, scene, tmp_path / "set")
-    assert_same(tmp_path / "set", undisturbed)
-    assert not list((tmp_path / "set" / "attempts").iterdir())
 
 
 @pytest.mark.long

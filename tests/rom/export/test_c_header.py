@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from sampled import tabled
 
-from rom.export.c_header import export, header
-from rom.files.checked_file import ModelError
+from rom.export.c_header import export
 
 ROOT = Path(__file__).resolve().parents[3]
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
@@ -76,8 +75,3 @@ def test_the_command_writes_a_header_that_says_what_it_is(table_file, tmp_path):
     assert not any(word in text for word in ("malloc", "calloc", "#include <stdlib.h>"))
     refused = subprocess.run([*command[:-1], str(tmp_path / "2.h")], cwd=ROOT, capture_output=True, text=True)
     assert refused.returncode == 2 and "C identifier" in refused.stderr
-
-
-def test_a_name_that_c_does_not_have_is_refused(marked):
-    with pytest.raises(ModelError, match="C identifier"):
-        header(marked, "my finger")
