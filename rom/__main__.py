@@ -1,7 +1,5 @@
 """python3 -m rom build | assemble | specialise | check | info | export."""
 
-from __future__ import annotations
-
 from rom.console.program import begin
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """Measured stresses and fitted laws, a panel a test; where there are no data, it is hatched."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

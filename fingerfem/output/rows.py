@@ -1,7 +1,5 @@
 """Results as rows for people, which fit the window; JSON has all digits."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import sys

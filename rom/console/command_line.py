@@ -1,7 +1,5 @@
 """Shared code of rom's and control's command lines: exit codes, JSON, one line for bad input."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Iterable

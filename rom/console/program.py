@@ -5,8 +5,6 @@ Output fits its encoding.
 Only the standard library is imported here, as a command calls `begin` before it imports anything else.
 """
 
-from __future__ import annotations
-
 import codecs
 import sys
 import warnings

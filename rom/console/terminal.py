@@ -1,7 +1,5 @@
 """Output while a command works: lines that fit the window, and a bar on a terminal, or lines in a pipe."""
 
-from __future__ import annotations
-
 import logging
 import shutil
 import sys

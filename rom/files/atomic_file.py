@@ -1,7 +1,5 @@
 """Files that appear whole or not at all: nothing half written is ever found under a file's name."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from collections.abc import Callable, Iterator

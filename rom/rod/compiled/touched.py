@@ -1,7 +1,5 @@
 """Answers of compiled code before objects, and the contacts that press there (segment.h)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
