@@ -4,8 +4,6 @@ As a program it reads the files of a folder and asks everything of them: `python
 how many were refused and how many answered, and all other exceptions. A test runs it under AddressSanitizer.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import sys

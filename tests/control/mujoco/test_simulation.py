@@ -43,11 +43,6 @@ TABLE = """
 """
 
 
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
-
-
 def before_a_wall(rod, step=0.001, gravity=0.0, euler="0 0 0", wall=0.005 + WALL, friction=0):
     text = SCENE.format(step=step, gravity=gravity, euler=euler, wall=wall, friction=friction)
     spec = mujoco.MjSpec.from_string(text)

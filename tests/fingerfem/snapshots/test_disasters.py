@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from farm import PATIENCE, ROOT, assert_same, command, run
+from terminal import ran
 
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import ClaimFiles, Locks, why_no_locks
@@ -137,11 +138,9 @@ def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solv
     assert "free-0 has no answer at these tensions" in done.stderr
     assert not read_task(folder, "free-0")["converged"].any()
     assert np.isnan(read_task(folder, "free-0")["tip"]).all()
-    said = subprocess.run(
-        [sys.executable, "-m", "fingerfem", "status", str(folder)], cwd=ROOT, capture_output=True, text=True
-    )
-    assert "quarantined              4" in said.stdout and "failed                   16" in said.stdout
-    subprocess.run([sys.executable, "-m", "fingerfem", "retry", str(folder)], cwd=ROOT, check=True)
+    said = ran("fingerfem", "status", folder).stdout
+    assert "quarantined              4" in said and "failed                   16" in said
+    assert ran("fingerfem", "retry", folder).returncode == 0
     run(1, scene, folder)
     assert_same(folder, undisturbed)
 

@@ -5,17 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import rom
 from rom.elements.pieces import Piece
 from rom.files.checked_file import ModelError
 from rom.rod.segment import UNDER, segment_of
 
 PULLED = np.array([30.0, 12.0, 0.4, -0.5, 0.3, 0.01, -0.02, 0.015])  # tensions and a wrench
-
-
-@pytest.fixture(scope="module")
-def rod():
-    return rom.load().rod
 
 
 def at_size(rod, size: float, modulus: float = 1.0):

@@ -3,16 +3,10 @@
 import numpy as np
 import pytest
 
-import rom
 from rom import Plane, TouchedSegment
 
 PAIRS = [(60.0, 20.0), (20.0, 0.0), (80.0, 50.0)]
 DEEP = 0.003  # of the plane beyond touch [m]
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 def pressed(model, tensions) -> np.ndarray:

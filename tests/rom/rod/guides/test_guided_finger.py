@@ -6,16 +6,11 @@ import numpy as np
 import pytest
 from assembled import in_series
 
-from rom import GuidedFinger, Rod, TouchedSegment, guide_history
+from rom import GuidedFinger, Rod, guide_history
 from rom.files.checked_file import ModelError
 from rom.rod.compiled import reports
 
 FRICTION = 0.2
-
-
-@pytest.fixture(scope="module")
-def model() -> TouchedSegment:
-    return TouchedSegment.load()
 
 
 def bends(finger: GuidedFinger) -> np.ndarray:
