@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from fingerfem.output.rows import finish
+from rom.console.command_line import AsJson, check_plot
 from rom.console.packages import require
 from rom.console.program import NOTHING_USABLE
 
@@ -27,7 +28,7 @@ def fit_material(
         Path | None, typer.Option("--output", "-o", metavar="MATERIAL.toml", help="Also write a scene's [material].")
     ] = None,
     plot: Annotated[Path | None, typer.Option(metavar="PLOT.png", help="Also draw tests and laws.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Fit a law of the rubber to tests: constants, residuals, stability, and the stretches beyond which it is a guess.
 
@@ -44,7 +45,6 @@ def fit_material(
         raise ValueError(f"output must end in .toml and be in a folder that exists, got {output}")
     if plot is not None:
         from fingerfem.material_fit.plot import write_plot
-        from rom.console.command_line import check_plot
 
         check_plot(plot)
     comparison = compare(read_measurements(data_file, test, to), LAWS if law is None else [law], terms, nu)
