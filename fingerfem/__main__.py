@@ -24,15 +24,15 @@ from fingerfem.material_fit.command import fit_material
 from fingerfem.output.rows import check_ending, finish
 from fingerfem.scene.amounts import seconds as duration
 from fingerfem.scene.amounts import share
-from rom.console.command_line import AsJson, application
 from rom.console.interruption import first_rank, interruptible
 from rom.console.packages import DRAWING, SOLVING, require
 from rom.console.terminal import log_lines, say
 
-app = application()
+app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 KEPT = "stopped by {}: solved states are kept; run the same command again"
 CALLER = "FINGERFEM_CALLER"  # variable of a program that calls the farm and says itself why it was stopped
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
 @app.command()

@@ -5,8 +5,10 @@ from typing import Annotated
 
 import typer
 
-from rom.console.command_line import NOTHING_USABLE, AsJson, check_folder, check_plot, show
+from rom.console.command_line import NOTHING_USABLE, AsJson
 from rom.console.packages import require
+from rom.console.table import show
+from rom.files.atomic_file import check_folder, check_plot
 
 
 def calibrate(

@@ -9,13 +9,13 @@ import typer
 import fingerfem
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.output.rows import finish
-from rom.console.command_line import AsJson
 from rom.console.interruption import interruptible
 from rom.console.packages import SOLVING, require
 from rom.console.program import NOTHING_USABLE
 from rom.console.terminal import say, steps
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene, with densities.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
 def simulate(

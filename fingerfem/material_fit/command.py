@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from fingerfem.output.rows import finish
-from rom.console.command_line import AsJson, check_plot
 from rom.console.packages import require
 from rom.console.program import NOTHING_USABLE
 
@@ -28,7 +27,7 @@ def fit_material(
         Path | None, typer.Option("--output", "-o", metavar="MATERIAL.toml", help="Also write a scene's [material].")
     ] = None,
     plot: Annotated[Path | None, typer.Option(metavar="PLOT.png", help="Also draw tests and laws.")] = None,
-    as_json: AsJson = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")] = False,
 ) -> None:
     """Fit a law of the rubber to tests: constants, residuals, stability, and the stretches beyond which it is a guess.
 
@@ -39,7 +38,7 @@ def fit_material(
     from fingerfem.material_fit.measurements import read_measurements
     from fingerfem.material_fit.report import as_json as whole
     from fingerfem.material_fit.report import material_table, parts
-    from rom.files.atomic_file import write_whole
+    from rom.files.atomic_file import check_plot, write_whole
 
     if output is not None and (output.suffix != ".toml" or not output.parent.is_dir()):
         raise ValueError(f"output must end in .toml and be in a folder that exists, got {output}")

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rom.console.command_line import show
-from rom.console.table import Table
+from rom.console.table import Table, show
 
 NAME = 24  # columns of a name
 

@@ -71,7 +71,7 @@ def test_forces_are_in_the_cone_and_slide_on_it(finger, shape):
 
 
 def slides_in_the_cone(state: FrictionState, friction: float) -> int:
-    """How many contacts slide; no force is outside its cone."""
+    """Number of contacts that slide; no force is outside its cone."""
     for one in state.contacts:
         pressing = one.force @ one.normal
         along = np.linalg.norm(one.force - pressing * one.normal)
@@ -131,7 +131,7 @@ def test_to_and_fro_closes_a_loop_that_dissipates(plane):
 def round_and_round(
     model: TouchedSegment, point: ArrayLike, axes: np.ndarray, count: int, rubber: bool = False
 ) -> tuple[float, float]:
-    """Of the second of two circles, once the begin is forgotten: the object's work on the finger, and what is lost."""
+    """Work of the object on the finger, and what is lost, in the second of two circles: the begin is forgotten."""
     fine = np.linspace(0, 2 * np.pi, count)
     circle = 1.5e-3 * np.column_stack([np.cos(fine), np.sin(fine)]) @ axes
     twice = np.vstack([circle, circle[1:]])
