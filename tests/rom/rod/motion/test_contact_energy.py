@@ -80,6 +80,24 @@ def test_rebounds_take_energy(bundled, shape, on, radius):
     assert (np.maximum.accumulate(means) < (1 + GROWTH) * means[0]).all() and means[-1] < 0.8 * means[0]
 
 
+@pytest.mark.parametrize("radius", [1.0, 0.8])
+@pytest.mark.parametrize("length", [2e-3, 1e-4])
+@pytest.mark.parametrize("on", SIDE)
+@pytest.mark.parametrize("shape", ["plane", "ball"])
+def test_what_rests_in_contact_stays_at_rest(bundled, shape, on, length, radius):
+    model, d = pressed(bundled, shape, on)
+    point = [TENSION, 0.0, d]
+    force = float(model.evaluate(point).contact_force)
+    began = MovingFinger(model, point, DENSITY, radius=radius)
+    came = MovingFinger(model, [TENSION, 0.0, np.inf], DENSITY, radius=radius)
+    for ahead in np.linspace(2e-3, 0.0, 9):
+        came.step([TENSION, 0.0, d + ahead], 0.05, at_rest=True)
+    for finger in (began, came):
+        states = [finger.step(point, length) for _ in range(20)]
+        assert max(state.kinetic_energy for state in states) < 1e-16
+        assert [state.contact_forces[0] for state in states] == pytest.approx([force] * 20, rel=1e-5)
+
+
 @pytest.mark.parametrize("shape", ["plane", "ball", "cylinder"])
 def test_on_rubber_it_comes_to_rest_where_it_rests(bundled, shape):
     model, d = pressed(bundled, shape, "rubber")
