@@ -352,9 +352,10 @@ typedef struct {
 } fingerfem_branches;
 
 typedef struct {
-    const double *masses, *moments, *inertias, *elements; /* NULL: nothing has mass, and steps end at rest */
+    const double *masses, *moments, *inertias, *elements;
     const fingerfem_branches *branches; /* of viscoelastic rubber; NULL: it is elastic */
     double radius; /* spectral radius of the method for high frequencies, 0 to 1 [-]; 1 keeps them, less damps them */
+    int32_t rests; /* whether steps have no inertia and end at rest; in a step of infinite length all branches relax */
 } fingerfem_inertia;
 
 /* How each of them moves, (bodies, FINGERFEM_MOVING): centre [m] and rotation, in space; velocity of the centre in
@@ -387,11 +388,6 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
  * if there are more bodies than there is room for, or no equilibrium. */
 int fingerfem_linearise(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *loads,
                         double *memory, double *mass, double *compliance);
-
-/* The bodies at rest at tensions and loads, as `moving` of a first step, and what relaxes of so many branches; returns 0 if there are more
- * bodies than there is room for. */
-int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, int branches, double *memory,
-                      double *moving, double *relaxing);
 
 /* An answer with its errors: that of `fingerfem_touch`; errors, (1 + 2 count) [m, N, m], are the estimated ones of the tip, the forces and the touch
  * distances: infinite without an equilibrium. The report is computed unless it is NULL. */

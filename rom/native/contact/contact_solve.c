@@ -31,6 +31,8 @@
 #define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
 #define LONGEST 0.5     /* longest step [-] */
 #define MOVING 1e-6     /* converged in a step of time: of the trained loads, what the next step would be by quadratic convergence, after one */
+#define LINEAR 2        /* steps before that near rubber, where convergence is linear: what is left is in proportion to the motion, and after
+                           one step its work would add energy to a vibration, some percent in a second */
 #define TURNS 1e-5      /* likewise after PATIENT steps, where contacts of one edge press in turns [-] */
 #define SMALL 3e-4      /* below this, of which contact that slows the convergence leaves some 1e-3 [-] */
 
@@ -97,7 +99,8 @@ static double step(const contact_problem *problem, double most, contact_state *s
 /* Whether step k of this size, after one of the size `last`, is small enough. */
 static int converged(const contact_problem *problem, const contact_state *state, int k, double size, double last)
 {
-    if (problem->step && k > 1 && size < SMALL && size * size * size < MOVING * last * last) return 1;
+    const int least = state->at.slices ? LINEAR : 1;
+    if (problem->step && k > least && size < SMALL && size * size * size < MOVING * last * last) return 1;
     if (problem->step && k > PATIENT && size < TURNS) return 1;
     return size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last);
 }

@@ -52,11 +52,15 @@ void inertia_moving(const contact_step *step, const double *begun, const chain_b
     }
 }
 
-void inertia_at_rest(const chain_body *body, double *moving)
+void inertia_at_rest(const chain_body *body, const double *wrench, const double *acceleration, double *moving)
 {
     memset(moving, 0, FINGERFEM_MOVING * sizeof *moving);
     memcpy(moving + PLACE, body->centre, sizeof body->centre);
     memcpy(moving + TURN, body->rotation, sizeof body->rotation);
+    for (int i = 0; i < W; i++) {
+        moving[CHANGE + i] = i < 3 ? objects_dot(body->rotation + 3 * i, wrench) : wrench[i];
+        moving[MEAN + i] = i < 3 ? objects_dot(body->rotation + 3 * i, acceleration) : acceleration[i];
+    }
 }
 
 void inertia_subtract_contact(const contact_step *step, const double *change, double *moving)

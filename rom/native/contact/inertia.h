@@ -9,8 +9,8 @@ void inertia_method(double radius, contact_step *step);
 /* Motion of a body at the step's end, (FINGERFEM_MOVING), from its pose there, as if no contact acted. */
 void inertia_moving(const contact_step *step, const double *begun, const chain_body *body, double *moving);
 
-/* The same of a body at rest where it is. */
-void inertia_at_rest(const chain_body *body, double *moving);
+/* The same of a body at rest, with the wrench of elements on it and the acceleration by that alone, both (6) in its frame. */
+void inertia_at_rest(const chain_body *body, const double *wrench, const double *acceleration, double *moving);
 
 /* The rotation vector of R_0^T R, (3) [rad]: less than half a turn. */
 void inertia_turn_between(const double *from, const double *to, double *found);

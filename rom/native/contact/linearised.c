@@ -1,4 +1,4 @@
-/* A finger with all bodies at rest: where a motion begins, and small vibrations about it.
+/* Small vibrations of a finger about an equilibrium.
  *
  * With wrenches w on all bodies these move by xi = C S w, see contact_solve.c. Contacts that press stay closed: forces f with
  * (W^T C S W + c) f = -W^T C S w press besides. So
@@ -7,7 +7,6 @@
  *
  * and natural frequencies follow from w = omega^2 M xi. Contacts without a force stay open. */
 #include "inertia.h"
-#include "relaxation.h"
 #include "response.h"
 
 /* Column of D by a unit wrench, `component` of all bodies' numbers: the motion of all bodies. Returns 0 if the contact is singular. */
@@ -58,20 +57,5 @@ int fingerfem_linearise(const fingerfem_touching *touching, const fingerfem_iner
             mass[size * i + j] = state.mass[ground + i][ground + j];
         }
     }
-    return 1;
-}
-
-int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, const double *loads, int branches, double *memory,
-                      double *moving, double *relaxing)
-{
-    double held[TENSIONS_MOST], wrench[CHAIN_WRENCH];
-    chain_rods map;
-    chain_state state;
-    chain_clamped(chain, tensions, held);
-    chain_set_tensions(chain, held, memory, &map);
-    chain_contract(&map);
-    if (!chain_all_bodies(&map) || !chain_take_loads(&map, loads, wrench) || !chain_under(&map, wrench, &state)) return 0;
-    for (int b = 0; b < map.count; b++) inertia_at_rest(state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
-    if (branches) relaxation_at_rest(&map, branches, tensions, relaxing);
     return 1;
 }

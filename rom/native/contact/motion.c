@@ -32,6 +32,13 @@ typedef struct {
     double changes[FINGERFEM_MOST_CONTACTS][CHAIN_WRENCH]; /* W_k / M */
 } stopped_contacts;
 
+/* Factors of the mass matrix, (6 bodies, 6 bodies), and the rows that they exchange; returns 0 if it is singular. */
+static int factorised(int size, const contact_state *state, double *factors, int *exchanged)
+{
+    for (int i = 0; i < size; i++) memcpy(factors + size * i, state->mass[i], (size_t)size * sizeof *factors);
+    return small_factorise(size, size, factors, exchanged);
+}
+
 /* These; the wrenches r of all contacts and r / M, both (6 bodies). Returns 0 if the mass matrix is singular. */
 static int accelerated(const contact_problem *problem, const contact_state *state, double *wrench, double *change, stopped_contacts *found)
 {
@@ -53,8 +60,7 @@ static int accelerated(const contact_problem *problem, const contact_state *stat
     }
     memcpy(change, wrench, (size_t)size * sizeof *wrench);
     if (!any) return 1;
-    for (int i = 0; i < size; i++) memcpy(factors + size * i, state->mass[i], (size_t)size * sizeof *factors);
-    if (!small_factorise(size, size, factors, exchanged)) return 0;
+    if (!factorised(size, state, factors, exchanged)) return 0;
     /* but for the ground, which does not move */
     memset(change, 0, (size_t)ground * sizeof *change);
     small_substitute(size, size, factors, exchanged, change);
@@ -117,6 +123,24 @@ static int move(const contact_problem *problem, const contact_state *state, doub
     return 1;
 }
 
+/* Motions of all bodies at rest: elements put the opposite of contact's wrenches w on them, and alone would accelerate them by -w / M. Returns 0
+ * if the mass matrix is singular. */
+static int rest(const contact_problem *problem, contact_state *state, double *moving)
+{
+    const int size = contact_size(problem), ground = problem->map->bodies[0].segment == CHAIN_GROUND ? W : 0;
+    double factors[CHAIN_WRENCH * CHAIN_WRENCH], wrench[CHAIN_WRENCH], change[CHAIN_WRENCH];
+    int exchanged[CHAIN_WRENCH];
+    inertia_mass(problem, &state->at.chain, state->mass);
+    if (!factorised(size, state, factors, exchanged)) return 0;
+    for (int i = 0; i < size; i++) wrench[i] = change[i] = i < ground ? 0.0 : -state->wrench[i];
+    small_substitute(size, size, factors, exchanged, change);
+    for (int b = 0; b < problem->map->count; b++)
+        if (problem->map->bodies[b].segment != CHAIN_GROUND)
+            inertia_at_rest(state->at.chain.bodies + b, wrench + W * b, change + W * b,
+                            moving + FINGERFEM_MOVING * chain_load_of(problem->map, b));
+    return 1;
+}
+
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,
                    double length, double *memory, double *moving, double *relaxing, double *loads, double *forces, double *energy,
                    int32_t *inside, fingerfem_pressed *pressed)
@@ -133,7 +157,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     chain_rods map;
     contact_state state;
     inertia_method(inertia->radius, &step);
-    contact_problem problem = {&touched, &map, {0.0}, inertia->masses ? &step : NULL, inertia->masses ? step.contact : 1.0};
+    contact_problem problem = {&touched, &map, {0.0}, inertia->rests ? NULL : &step, inertia->rests ? 1.0 : step.contact};
     /* the weight on a base that moves, and its turning */
     if (base) memcpy(chain.gravity, base, sizeof chain.gravity);
     for (int i = 3; i < FINGERFEM_BASE && base; i++)
@@ -156,10 +180,8 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     /* where the step ends, how bodies move there, and what presses */
     *energy = 0.0;
     for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;
-    if (problem.step && !move(&problem, &state, moving, energy, stopped)) return -evaluations;
-    for (int b = 0; b < map.count && !problem.step; b++)
-        if (map.bodies[b].segment != CHAIN_GROUND)
-            inertia_at_rest(state.at.chain.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
+    problem.step = &step;
+    if (!(inertia->rests ? rest(&problem, &state, moving) : move(&problem, &state, moving, energy, stopped))) return -evaluations;
     if (branches) relaxation_end(&relaxation, &map, point, relaxing);
     chain_leave_loads(&map, state.wrench, loads);
     forces_along(&problem, &state, stopped, forces);

@@ -90,9 +90,3 @@ void relaxation_end(const relaxation_step *step, const chain_rods *map, const do
         relaxing[n] = now;
     }
 }
-
-void relaxation_at_rest(const chain_rods *map, int branches, const double *tensions, double *relaxing)
-{
-    const int count = loads_of(map, tensions, relaxing);
-    memset(relaxing + count, 0, (size_t)(count * branches) * sizeof *relaxing);
-}

@@ -25,7 +25,4 @@ void relaxation_set(const relaxation_step *step, chain_rods *map);
 
 /* The state at the step's end, in place, where elements carry their wrenches. */
 void relaxation_end(const relaxation_step *step, const chain_rods *map, const double *tensions, double *relaxing);
-
-/* The state where all branches have relaxed. */
-void relaxation_at_rest(const chain_rods *map, int branches, const double *tensions, double *relaxing);
 #endif

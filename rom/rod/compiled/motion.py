@@ -11,6 +11,7 @@ from rom.rod.compiled import memory_of
 
 MOVING = LIBRARY.constants.FINGERFEM_MOVING  # numbers of a body
 BASE = LIBRARY.constants.FINGERFEM_BASE
+MOST_BODIES = LIBRARY.constants.FINGERFEM_MOST_BODIES
 MOST_BRANCHES = LIBRARY.constants.FINGERFEM_MOST_BRANCHES
 
 
@@ -55,8 +56,8 @@ class Stepper:
             more["branches"] = LIBRARY.struct("fingerfem_branches", count=self.branches, **branches)
         self._bodies, relaxing = bodies, (6 * bodies + chain.tensions) * (1 + self.branches) * bool(self.branches)
         self._touching = touching
-        self._with_mass, self._without = (
-            LIBRARY.struct("fingerfem_inertia", **one, **more) for one in (inertia, dict[str, Any]())
+        self._moves, self._rests = (
+            LIBRARY.struct("fingerfem_inertia", **inertia, **more, rests=rests) for rests in (False, True)
         )
         ends = np.cumsum([bodies * MOVING, bodies * 6, relaxing])
         self._memory, self._state = memory_of(chain), np.zeros(ends[-1] + LIBRARY.ffi.sizeof("fingerfem_pressed") // 8)
@@ -73,15 +74,12 @@ class Stepper:
         """Motions of the bodies in a state, shape (bodies, 30), see FINGERFEM_MOVING in segment.h."""
         return state[: self._bodies * MOVING].reshape(-1, MOVING)
 
-    def at_rest(self, tensions: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
-        """The state at rest under tensions and loads; None if there are too many bodies."""
-        self._point[: len(tensions)] = tensions
-        _, moving, relaxing, given, *_ = self._results
-        self._state[self._bodies * MOVING :][: len(loads)] = loads
-        self._pressed.count = 0
-        arguments = self._given, given, self.branches, self._memory, moving, relaxing
-        known = LIBRARY.functions.fingerfem_at_rest(self._touching.chain, *arguments)
-        return self._state.copy() if known else None
+    def at_rest(self, point: np.ndarray, loads: np.ndarray) -> np.ndarray | None:
+        """The state at rest at tensions and every d, shape (t + m,), by its loads; None without an answer."""
+        state = np.zeros(len(self._state))
+        state[self.loads] = loads
+        found = self.step(state, point, np.inf, has_mass=False)
+        return None if found is None else found.state
 
     def linearised(self, point: np.ndarray, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """Mass matrix, and motions of all bodies by wrenches, shapes (6 bodies, 6 bodies), about an equilibrium.
@@ -96,7 +94,7 @@ class Stepper:
         matrices = np.empty((2, 6 * self._bodies, 6 * self._bodies))
         given = (np.array(one, float) for one in (point, loads))
         arguments = *map(pointer, given), self._memory, *map(pointer, matrices)
-        known = LIBRARY.functions.fingerfem_linearise(self._touching, self._with_mass, *arguments)
+        known = LIBRARY.functions.fingerfem_linearise(self._touching, self._moves, *arguments)
         return (matrices[0], matrices[1]) if known else None
 
     def step(
@@ -121,7 +119,7 @@ class Stepper:
         if base is not None:
             self._base[:], turned = base, self._turned
         evaluations = LIBRARY.functions.fingerfem_step(
-            self._touching, self._with_mass if has_mass else self._without, self._given, turned, length, *self._results
+            self._touching, self._moves if has_mass else self._rests, self._given, turned, length, *self._results
         )
         if evaluations <= 0:
             return None

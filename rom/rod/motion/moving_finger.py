@@ -16,7 +16,7 @@ from scipy.linalg import eigh
 from rom.dataset.actuators import refuse_chambers
 from rom.dataset.rigid_motion import BaseMotion
 from rom.files.checked_file import ModelError
-from rom.rod.compiled.motion import Stepped, Stepper
+from rom.rod.compiled.motion import MOST_BODIES, Stepped, Stepper
 from rom.rod.compiled.touched import touches
 from rom.rod.motion.base import RESTING, Base, checked
 from rom.rod.motion.branches import branches_of
@@ -39,7 +39,7 @@ class MovingFinger:
     Args:
         model: the finger and its objects. Weight acts if the scene has [gravity], and rubber relaxes if the scene has
             `material.prony`; all branches are relaxed initially.
-        parameters: tensions [N] and d [m] of the initial equilibrium without contact, shape (t + m,).
+        parameters: tensions [N] and d [m] of the initial equilibrium, shape (t + m,).
         density: of the rubber [kg/m^3]; by default that of [gravity].
         plate_density: likewise of the plates.
         radius: spectral radius of the method for high frequencies, 0 to 1 [-]; 1 has no damping. Rubber in contact is
@@ -103,9 +103,11 @@ class MovingFinger:
             self._friction = TendonFriction(model, self._point, friction, per_length)
             loads = self._friction.loads
         self._compile()
-        state = self._stepper.at_rest(self._point[: self._t], loads)
-        if state is None:
+        if len(self.lumps.masses) > MOST_BODIES:
             raise ModelError(f"a moving finger must have fewer sections, got {len(self.lumps.masses)}")
+        state = self._stepper.at_rest(self._point, loads)
+        if state is None:
+            raise ModelError(f"parameters must be where the finger can rest, got {self._point.tolist()}")
         self._state = state
 
     def _compile(self) -> None:

@@ -67,6 +67,24 @@ def test_a_vibration_in_lasting_contact_never_gains_energy(bundled, shape, on, l
         assert means[-1] > (1 - 2 * GROWTH) * means[0]
 
 
+def test_a_long_vibration_on_rubber_without_damping_keeps_its_energy(bundled):
+    """A ball presses deep, so that no point leaves it: 4 s of steps of 2 ms, of which modes have a tenth to a half."""
+    tensions, depth = [40.0, 30.0], 1e-3
+    section = bundled.rod.sections(tensions, at=[0.4 * bundled.rod.rest[0]])
+    out = section.rotations[0] @ [0.0, 0.0, -1.0]
+    centre = tuple(section.centres[0] + (bundled.rod.half_lengths[1] + RADIUS) * out)
+    ball = Sphere(centre=centre, radius=RADIUS, direction=tuple(out), distances=(-0.1, 0.1))
+    finger = MovingFinger(replace(bundled, obstacle=ball), [*tensions, np.inf], DENSITY, radius=1.0)
+    for d in np.linspace(depth, -depth, 9):
+        finger.step([*tensions, d], 0.05, at_rest=True)
+    point = [40.3, 29.7, -depth]
+    finger.step(point, 1e-5)
+    states = [finger.step(point, 2e-3) for _ in range(2000)]
+    assert all(state.status == "converged" and state.contact_forces[0] > 1.0 for state in states)
+    means = np.array([state.kinetic_energy for state in states]).reshape(10, -1).mean(axis=1)
+    assert means[0] > 1e-7 and means == pytest.approx(means[0], rel=GROWTH)
+
+
 @pytest.mark.parametrize("radius", [1.0, 0.8])
 @pytest.mark.parametrize(("shape", "on"), [("plane", "plate"), ("cylinder", "plate"), ("ball", "rubber")])
 def test_rebounds_take_energy(bundled, shape, on, radius):
@@ -78,6 +96,24 @@ def test_rebounds_take_energy(bundled, shape, on, radius):
     assert (forces >= 0).all() and 0.0 in forces[int(np.argmax(forces > 0)) :]
     means = np.array([state.kinetic_energy for state in states]).reshape(5, -1).mean(axis=1)
     assert (np.maximum.accumulate(means) < (1 + GROWTH) * means[0]).all() and means[-1] < 0.8 * means[0]
+
+
+@pytest.mark.parametrize("radius", [1.0, 0.8])
+@pytest.mark.parametrize("length", [2e-3, 1e-4])
+@pytest.mark.parametrize("on", SIDE)
+@pytest.mark.parametrize("shape", ["plane", "ball"])
+def test_what_rests_in_contact_stays_at_rest(bundled, shape, on, length, radius):
+    model, d = pressed(bundled, shape, on)
+    point = [TENSION, 0.0, d]
+    force = float(model.evaluate(point).contact_force)
+    began = MovingFinger(model, point, DENSITY, radius=radius)
+    came = MovingFinger(model, [TENSION, 0.0, np.inf], DENSITY, radius=radius)
+    for ahead in np.linspace(2e-3, 0.0, 9):
+        came.step([TENSION, 0.0, d + ahead], 0.05, at_rest=True)
+    for finger in (began, came):
+        states = [finger.step(point, length) for _ in range(20)]
+        assert max(state.kinetic_energy for state in states) < 1e-16
+        assert [state.contact_forces[0] for state in states] == pytest.approx([force] * 20, rel=1e-5)
 
 
 @pytest.mark.parametrize("shape", ["plane", "ball", "cylinder"])
