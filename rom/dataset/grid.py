@@ -28,3 +28,24 @@ def levels(values: np.ndarray, tolerance: float | None = None) -> tuple[np.ndarr
     index = np.empty(len(order), int)
     index[order] = np.cumsum(begins) - 1
     return ascending[begins[: len(ascending)]], index
+
+
+def nearest_weights(own: np.ndarray, at: np.ndarray, near: int) -> tuple[np.ndarray, np.ndarray]:
+    """Weights of the nearest of some positions, by which polynomials through these interpolate (Lagrange).
+
+    Args:
+        own: ascending positions, shape (k,) [m].
+        at: positions between them, shape (m,) [m].
+        near: how many interpolate each; all if they are fewer.
+
+    Returns:
+        the first of every one's nearest, shape (m,); and weights of these and the following ones, shape (m, near) [-].
+    """
+    near = min(len(own), near)
+    first = np.clip(np.searchsorted(own, at, side="right") - (near + 1) // 2, 0, len(own) - near)
+    known = own[first[:, None] + np.arange(near)]
+    weights = np.ones((len(at), near))
+    for k in range(near):
+        for j in set(range(near)) - {k}:
+            weights[:, k] *= (at - known[:, j]) / (known[:, k] - known[:, j])
+    return first, weights

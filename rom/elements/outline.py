@@ -2,6 +2,9 @@
 
 At a distance from a section, which is one more input, this does not depend on how long the element is. The outline is
 asked for by contact on the rubber, by pictures, and by displacements; it has fewer products than an element's law.
+
+The polynomial passes near the trained cross-sections, at even distances, and swings between them next to a plate or
+the clamp (Runge 1901). So polynomials through the NEAREST of them give the corners in between.
 """
 
 from __future__ import annotations
@@ -12,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rom.brief import brief
-from rom.dataset.grid import SHARE, levels
+from rom.dataset.grid import SHARE, levels, nearest_weights
 from rom.dataset.sections.plane_nodes import CORNERS
-from rom.dataset.sections.section import outline
+from rom.dataset.sections.section import extent, outline
 from rom.elements.fitting.candidates import box, weights_of
 from rom.elements.fitting.regression import NormalEquations, index_set
 from rom.elements.law import combined, scales_of, wrench_scales
@@ -25,10 +28,12 @@ from rom.elements.samples.symmetry import Mirror
 from rom.elements.samples.tension_map import TensionMap, of_scene
 
 NUMBERS = 3 * len(CORNERS)
-DEGREE, ALONG = 4.0, 0.8  # weighted degree; weight of the distance's powers [-]
+DEGREE, ALONG = 4.0, 0.4  # weighted degree; weight of the powers of the distance [-]
 MOST = 1500  # products of an outline
 STEP = 0.5  # by which the degree falls where it has more
 MOST_PAIRS = 30  # positions of one kind of element that are fitted
+PER_SIDE = 5  # intervals of cross-sections that determine the polynomial, at most, along the length of a side
+NEAREST = 4  # cross-sections that interpolate one between them
 
 
 @brief
@@ -58,22 +63,27 @@ class OutlineLaw:
         """Least and largest distance from the distal section [m]."""
         return float(self.polynomial.lower[-1]), float(self.polynomial.upper[-1])
 
+    @property
+    def cross_sections(self) -> np.ndarray:
+        """Even distances of as many cross-sections as determine the distance's polynomial, shape (m,) [m]."""
+        return np.linspace(*self.distances, int(self.polynomial.powers[:, -1].max()) + 1)
+
     def corners(self, inputs: np.ndarray, distance: float) -> np.ndarray:
         """Corners at a distance towards the clamp [m], seen from the distal section, shape (n, 4, 3) [m].
 
         Args:
             inputs: tensions and wrench, shape (n, t + 6) [N, N m].
-            distance: at rest; beyond the largest, the law goes on linearly.
+            distance: at rest, within `distances`.
         """
-        known = np.column_stack([combined(inputs, self.tension_map), np.full(len(inputs), distance)])
-        rest = np.column_stack([np.full(len(CORNERS), -distance), self.half * CORNERS])
-        return np.asarray(rest + self.polynomial.value(known).reshape(-1, *rest.shape))
+        return self.at(distance).value(combined(inputs, self.tension_map)).reshape(-1, len(CORNERS), 3)
 
     def at(self, distance: float) -> Polynomial:
         """The polynomial of combinations of tensions and the wrench at a distance [m]: the corners, 12 values [m]."""
-        law, (least, largest) = self.polynomial, self.distances
-        angle = np.arccos(np.clip(2 * (distance - least) / (largest - least) - 1, -1.0, 1.0))
-        shares = np.cos(law.powers[:, -1] * angle)
+        law, (least, largest), trained = self.polynomial, self.distances, self.cross_sections
+        (first,), (weights,) = nearest_weights(trained, np.array([distance]), NEAREST)
+        near = trained[first : first + len(weights)]
+        angles = np.arccos(np.clip(2 * (near - least) / (largest - least) - 1, -1.0, 1.0))
+        shares = np.cos(np.outer(law.powers[:, -1], angles)) @ weights
         powers, which = np.unique(law.powers[:, :-1], axis=0, return_inverse=True)
         coefficients = np.zeros((len(powers), NUMBERS))
         np.add.at(coefficients, which.ravel(), shares[:, None] * law.coefficients)
@@ -137,9 +147,9 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
     """
     chosen = [pairs[k] for k in np.unique(np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int))]
     samples = [outline_samples(states, *pair) for pair in chosen]
-    tension_map, tensions = of_scene(states.scene), states.ranges.T
+    tension_map = of_scene(states.scene)
     images = _images(states, tension_map)
-    equations = _equations(samples, tension_map, tensions, images, int(fold.max()) + 1)
+    equations = _equations(states, samples, tension_map, images, int(fold.max()) + 1)
     inputs = [_along(one, tension_map.matrix) for one in samples]
     for one, known in zip(samples, inputs, strict=True):
         equations.add(known, one.values, combined(one.jacobians, tension_map.matrix), fold)
@@ -151,7 +161,7 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
             off.append(np.linalg.norm((left_out.value(known[own]) - one.values[own]).reshape(-1, 3), axis=1))
     return OutlineLaw(
         tension_map=tension_map.matrix,
-        tensions=tensions,
+        tensions=states.ranges.T,
         polynomial=equations.fit(every),
         half=outline(states.scene).box,
         error=float(np.quantile(np.concatenate(off), 0.95)),
@@ -165,13 +175,14 @@ def _along(samples: Samples, tension_map: np.ndarray) -> np.ndarray:
 
 
 def _equations(
-    samples: Sequence[Samples], tension_map: TensionMap, tensions: np.ndarray, images: Sequence[Mirror], folds: int
+    states: SectionStates, samples: Sequence[Samples], tension_map: TensionMap, images: Sequence[Mirror], folds: int
 ) -> NormalEquations:
     """Normal equations of the highest degree, up to DEGREE, with MOST products at most."""
     distances, degree = [one.length for one in samples], DEGREE
-    lower, upper = box(samples, tension_map.matrix, tensions, images)
+    lower, upper = box(samples, tension_map.matrix, states.ranges.T, images)
     lower, upper = np.append(lower, min(distances)), np.append(upper, max(distances) * (1 + SHARE))
     weights, several = np.append(weights_of(tension_map), ALONG), len(levels(np.array(distances))[0])
+    several = min(several, 1 + round(PER_SIDE * np.ptp(distances) / extent(states.scene)))
     while True:
         powers = index_set(weights, degree)
         powers = powers[powers[:, -1] < several]

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from rom.brief import brief
 from rom.dataset.actuators import actuators_of, pressures_of
 from rom.dataset.geometry import tip_at_rest
+from rom.dataset.grid import nearest_weights
 from rom.dataset.rigid_motion import motions, rotations
 from rom.dataset.snapshot_set import SnapshotError, SnapshotSet
 from rom.elements.samples.symmetry import Mirror, mirrors
@@ -187,14 +188,9 @@ def read_section_states(snapshots: SnapshotSet, at: np.ndarray | None = None) ->
 
 def _between(own: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Weights of cross-sections, shape (k,), by which polynomials interpolate between them, shape (m, k)."""
-    near = min(NEAREST, len(own))
-    first = np.clip(np.searchsorted(own, at) - near // 2, 0, len(own) - near)
-    rows = first[:, None] + np.arange(near)
+    first, shares = nearest_weights(own, at, NEAREST)
     weights = np.zeros((len(at), len(own)))
-    for k in range(near):
-        others = np.delete(own[rows], k, axis=1)
-        shares = np.prod((at[:, None] - others) / (own[rows[:, k]][:, None] - others), axis=1)
-        weights[np.arange(len(at)), rows[:, k]] = shares
+    np.put_along_axis(weights, first[:, None] + np.arange(shares.shape[1]), shares, axis=1)
     return weights
 
 

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from rom.dataset.grid import nearest_weights
 from rom.dataset.sections.section_outline import SectionOutline
+from rom.elements.outline import NEAREST
 from rom.elements.polynomial import Polynomial
 from rom.native import LIBRARY
 from rom.rod.compiled.wrench_products import padded
@@ -16,7 +18,7 @@ BLOCK, POSE = LIBRARY.constants.FINGERFEM_BLOCK, LIBRARY.constants.FINGERFEM_POS
 SIX = LIBRARY.constants.FINGERFEM_BLOCK_ROW // BLOCK  # values of a law
 EIGHT, KNOT = 8, 12  # numbers of an outline fill eights; numbers of one of its knots
 AROUND = 4096  # points around an outline, for a mean along it
-PLACES, NEAREST = 5, 4  # cross-sections of the rubber for every knot; knots that interpolate one
+PLACES = 5  # cross-sections of the rubber for every knot
 
 
 def at_rest(powers: np.ndarray) -> np.ndarray:
@@ -43,22 +45,16 @@ def places_between(knots: np.ndarray, lengths: np.ndarray) -> dict[str, Any]:
 
     Polynomials through the nearest knots interpolate the corners.
     """
-    near, count = min(len(knots), NEAREST), PLACES * (len(knots) - 1) + 1
+    count = PLACES * (len(knots) - 1) + 1
     places = np.linspace(knots[0], knots[-1], count)
-    before = np.searchsorted(knots, places, side="right") - 1
-    first = np.clip(before - (near - 1) // 2, 0, len(knots) - near)
-    own = knots[first[:, None] + np.arange(near)]
-    weights = np.ones((count, near))
-    for k in range(near):
-        for j in set(range(near)) - {k}:
-            weights[:, k] *= (places - own[:, j]) / (own[:, k] - own[:, j])
+    first, weights = nearest_weights(knots, places, NEAREST)
     begins = lengths.sum() - np.append(0.0, np.cumsum(lengths))  # of the elements, from the clamp; then the clamp
     middles = (places[1:] + places[:-1]) / 2
     own = np.searchsorted(-begins, -middles, side="right") - 1
     return {
         "knots": len(knots),
         "places": count,
-        "near": near,
+        "near": weights.shape[1],
         "first": first,
         "between": weights,
         "place_elements": own,

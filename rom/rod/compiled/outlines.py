@@ -11,7 +11,7 @@ from rom.elements.outline import OutlineLaw
 from rom.elements.pieces import Piece
 from rom.elements.polynomial import Polynomial
 
-STEP, END_STEP = 0.55, 0.28  # of the side: most between knots, and where a plate or the clamp hinders warping [-]
+STEP = 0.55  # of the side: most between knots, but where a plate or the clamp hinders warping [-]
 NUMBERS = 12  # of a knot: four corners, -y -z, -y z, y -z and y z
 
 
@@ -36,14 +36,20 @@ class Outline:
 def outline_of(law: OutlineLaw, piece: Piece, begins: float) -> Outline:
     """The outline of an element, its knots evenly along its rubber and half as far from its ends.
 
+    Next to a plate or the clamp, knots are at the law's own cross-sections instead.
+
     Args:
         law: of its kind.
         piece: its kind, and its length at rest [m].
         begins: where its rubber begins, from its distal section on [m]: 0, or a plate's half.
     """
     length = piece.length - begins
-    count = max(int(np.ceil(length / (2 * law.half.max() * (STEP if piece.kind == INTERIOR else END_STEP)))), 1)
-    shares = 1 - (np.arange(count) + 0.5) / count  # of the way from the distal end
+    if piece.kind == INTERIOR:
+        count = max(int(np.ceil(length / (2 * law.half.max() * STEP))), 1)
+        shares = 1 - (np.arange(count) + 0.5) / count  # of the way from the distal end
+    else:
+        count = max(len(law.cross_sections) - 1, 2)
+        shares = 1 - np.arange(1, count) / count
     distances, (distal, proximal) = begins + length * shares, piece.ends
     sizes = (distal + (proximal - distal) * shares) / piece.size
     knots = [(replace(law, half=law.half * own), at) for own, at in zip(sizes, distances, strict=True)]

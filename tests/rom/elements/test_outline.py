@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.elements.outline import CORNERS, outline_samples
+from rom.elements.fitting.training import fold_of
+from rom.elements.outline import CORNERS, outline_samples, train_outline
+from rom.elements.samples.cuts import outline_pairs
 from tests.rom.elements import elastic_rod
 
 HALF = elastic_rod.SIDE / 2
@@ -65,3 +67,33 @@ def test_a_larger_stiffer_outline_is_similar(rod_elements):
     other = law.scaled(3.0, 2.0)
     np.testing.assert_allclose(other.corners(own * factors, 0.015), 3 * law.corners(own, 0.005), atol=1e-13)
     assert other.error == 3 * law.error
+
+
+def test_faces_next_to_a_plate_bulge_without_waves(rod_states):
+    """Sections 2 mm apart grow by F1 + F2, but not at the plate, within 1.5 mm of which the growth fades out."""
+    every, most, depth = slice(1, None, 2), 6e-4, 1.5e-3  # growth [1/N], depth [m]
+
+    def grown(away):
+        return most * (1 - np.exp(-away / depth))[..., None, None] * np.c_[np.zeros(4), HALF * CORNERS]
+
+    at = rod_states.at[every]
+    changes = np.zeros((len(rod_states.inputs), len(at), 4, 3, 8))
+    changes[..., :2] = grown(at[-1] - at)[..., None]
+    states = replace(
+        rod_states,
+        at=at,
+        sections=rod_states.sections[every],
+        corners=np.einsum("nmkip,np->nmki", changes, rod_states.inputs),
+        corner_changes=changes,
+        shortenings=rod_states.shortenings[:, every],
+        shortening_changes=rod_states.shortening_changes[:, every],
+    )
+    law = train_outline(states, fold_of(states)[1], outline_pairs(at, elastic_rod.SIDE)["plate"])
+    assert law.cross_sections == pytest.approx(elastic_rod.PLATE / 2 + 2e-3 * np.arange(6), rel=2e-6)
+    inputs, distances = np.zeros((1, 8)), np.linspace(*law.distances, 41)
+    inputs[0, 0] = elastic_rod.MOST_TENSION
+    corners = np.array([law.corners(inputs, distance)[0] for distance in distances])
+    sides = np.linalg.norm(corners[:, [1, 3, 2, 0]] - corners[:, [0, 1, 3, 2]], axis=2) - elastic_rod.SIDE
+    largest = 2 * elastic_rod.MOST_TENSION * most * HALF
+    off = np.abs(sides / largest - (1 - np.exp(-(distances - distances[0]) / depth))[:, None]).max(axis=1)
+    assert off[::8].max() < 0.02 and off.max() < 0.15 and off[8:].max() < 0.05
