@@ -47,7 +47,7 @@ class OutlineLaw:
         polynomial: of t + 7 inputs [N, Pa, N m, m]; of 12 values: how far the corners are from where they were at rest,
             seen from the distal section [m].
         half: of the section's box along y and z, shape (2,) [m].
-        error: of the corners in lines that were left out, 95th percentile [m].
+        error: of the corners in lines that were left out, 95th percentile; or on a finer mesh, if it is larger [m].
         pressures: how many of the loads are pressures, the last ones.
     """
 
@@ -137,13 +137,16 @@ def _images(states: SectionStates, tension_map: TensionMap) -> list[Mirror]:
     return images
 
 
-def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple[int, int]]) -> OutlineLaw:
+def train_outline(
+    states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple[int, int]], finer: SectionStates | None = None
+) -> OutlineLaw:
     """The outline of an element.
 
     Args:
         states: the states.
         fold: of each: lines that are left out together, shape (n,).
         pairs: cross-sections and the bodies that they are seen from.
+        finer: states on a finer mesh, at the same cross-sections, by which the error is estimated.
     """
     chosen = [pairs[k] for k in np.unique(np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int))]
     samples = [outline_samples(states, *pair) for pair in chosen]
@@ -158,15 +161,24 @@ def train_outline(states: SectionStates, fold: np.ndarray, pairs: Sequence[tuple
     for k in range(equations.folds):
         left_out, own = equations.fit(every, [k]), fold == k
         for one, known in zip(samples, inputs, strict=True):
-            off.append(np.linalg.norm((left_out.value(known[own]) - one.values[own]).reshape(-1, 3), axis=1))
+            off.append(_distances(left_out, known[own], one.values[own]))
+    law, errors = equations.fit(every), [off]
+    if finer is not None:
+        samples = [outline_samples(finer, *pair) for pair in chosen]
+        errors.append([_distances(law, _along(one, tension_map.matrix), one.values) for one in samples])
     return OutlineLaw(
         tension_map=tension_map.matrix,
         tensions=states.ranges.T,
-        polynomial=equations.fit(every),
+        polynomial=law,
         half=outline(states.scene).box,
-        error=float(np.quantile(np.concatenate(off), 0.95)),
+        error=max(float(np.quantile(np.concatenate(one), 0.95)) for one in errors),
         pressures=states.pressures,
     )
+
+
+def _distances(law: Polynomial, inputs: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Distances of corners from those of a law, shape (4 n,) [m]."""
+    return np.linalg.norm((law.value(inputs) - values).reshape(-1, 3), axis=1)
 
 
 def _along(samples: Samples, tension_map: np.ndarray) -> np.ndarray:

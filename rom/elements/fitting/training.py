@@ -167,7 +167,7 @@ def train(
     progress("fitting elements", 2, 2)
     return Elements(
         laws=training.laws(of_laws),
-        outlines={kind: train_outline(states, fold, pairs) for kind, pairs in outlines.items()},
+        outlines={kind: train_outline(states, fold, pairs, finer) for kind, pairs in outlines.items()},
         section=outline(states.scene),
         scene=states.scene,
         force=float(states.scene["load"]["force"]),
