@@ -146,8 +146,10 @@ class Simulation:
                 self._check(self.fingers[k], rubber.away)
         self._contacts.replace(self.tensions)
         self.lost |= self._contacts.buried
-        own = np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1))
-        self._sticking.recall(np.setdiff1d(own, self._contacts.indices))
+        is_own = (self._finger_of[data.contact.geom] >= 0).any(axis=1)
+        (own,) = is_own.nonzero()
+        is_own[self._contacts.indices] = False  # these stick by themselves
+        self._sticking.recall(is_own.nonzero()[0])
         # mj_step2, but for the inertia of a step and Coulomb's law
         mujoco.mj_factorM(model, data)
         mujoco.mj_fwdActuation(model, data)

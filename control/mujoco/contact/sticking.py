@@ -45,7 +45,7 @@ class Sticking:
         self._chosen, self._rows = contacts[own], np.where(has, addresses[own, None] + DIRECTIONS, -1)
         geoms, places = all_.geom[self._chosen], all_.pos[self._chosen]
         if len(geoms) and len(self._geoms):
-            distances = np.linalg.norm(places[:, None] - self._places, axis=2)
+            distances = ((places[:, None] - self._places) ** 2).sum(axis=2)
             distances[(geoms[:, None] != self._geoms).any(axis=2)] = np.inf
             before = self._forces[distances.argmin(axis=1)]
             before[np.isinf(distances.min(axis=1))] = 0.0
