@@ -63,6 +63,12 @@ def test_what_cannot_be_held_is_refused_before_anything_moves(model):
     assert "closing_seconds" not in row
 
 
+@pytest.mark.long
+def test_a_solid_that_is_let_go_is_not_crushed_when_fingers_open(model):
+    row = attempt(model, trial(329, "mesh"))
+    assert row["fate"] == "let go" and row["hardest"] < 0.5 * row["admissible_force"]  # 1.1 if they open at once
+
+
 def tension_loop(rod: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
     """Tensions led around a closed loop before a wall on springs without friction: net work done on the wall."""
     simulation = before_a_wall(rod, 0.0, SOFT)
