@@ -70,12 +70,12 @@ model:
 	$(SNAPSHOTS) scenes/demo/plane_finest.toml out/model/heldout --random 15 --distances 4 --seed 2020 --near out/model/heldout-coarse
 	docker/run python3 -m rom build out/model/fine --finer out/model/finest --held-out out/model/heldout -o rom/finger.h5
 
-# rom/round.h5 and rom/square.h5, fingers of Dragon Skin 30 with weight: 120 states of a coarse mesh, and a few of a finer one, most
-# of the time, that correct them.
+# rom/round.h5 and rom/square.h5, fingers of Dragon Skin 30 with weight: 120 states of a coarse mesh, and a few of a finer one that
+# correct them. These begin at rest: nearly incompressible rubber does not settle from the field of a coarse mesh.
 silicone: $(patsubst %,rom/%.h5,round square)
 rom/%.h5: scenes/silicone/%_pressed.toml scenes/silicone/%_finest.toml scenes/silicone/%_finest.csv scenes/silicone/%.toml
 	$(SNAPSHOTS) scenes/silicone/$*_pressed.toml out/silicone/$*
-	$(SNAPSHOTS) scenes/silicone/$*_finest.toml out/silicone/$*-finest --points scenes/silicone/$*_finest.csv --near out/silicone/$*
+	$(SNAPSHOTS) scenes/silicone/$*_finest.toml out/silicone/$*-finest --points scenes/silicone/$*_finest.csv
 	docker/run python3 -m rom build out/silicone/$* --finer out/silicone/$*-finest -o out/silicone/$*.h5
 	docker/run python3 -m rom assemble scenes/silicone/$*.toml out/silicone/$*.h5 -o $@
 

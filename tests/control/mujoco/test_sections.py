@@ -30,11 +30,6 @@ SCENE = """
 
 
 @pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
-
-
-@pytest.fixture(scope="module")
 def silicone(rod):
     """A finger of 20 x 20 x 100 mm with a plate of 2 mm."""
     return scaled(rod, 2.0, YOUNG / BUNDLED)
