@@ -19,14 +19,14 @@ from control.motion import for_each
 from control.mujoco.attach import FAST, Attached
 from control.mujoco.contact.coulomb import solve
 from control.mujoco.contact.rubber_contacts import RubberContacts
+from control.mujoco.contact.sticking import Sticking
 from control.mujoco.rubber import Rubber, weigh
 
 INTEGRATORS = {  # which MuJoCo offers alone
     int(mujoco.mjtIntegrator.mjINT_EULER): mujoco.mj_Euler,
     int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST): mujoco.mj_implicit,
 }
-# Smallest impratio: stiffness of sticking friction over that of contacts [-]. What sticks creeps by its inverse: at 100
-# a held solid of 230 g by 0.7 um/s.
+# Smallest impratio: stiffness of sticking friction over that of contacts [-]. By its inverse yields what sticks.
 STICKING = 1000.0
 
 
@@ -85,7 +85,7 @@ class Simulation:
             raise ValueError("solver must be Newton or CG, without noslip: others keep the inertia without the rubber")
         self.rate = for_each("rate", rate, fingers[0].rod.parameters)
         self.model, self.fingers, self._coulomb = model, list(fingers), coulomb
-        # Coulomb's law needs a circular friction cone and little creep, see control.mujoco.contact.coulomb.
+        # Coulomb's law needs a circular friction cone, and little yields, see control.mujoco.contact.coulomb.
         model.opt.cone, model.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(model.opt.impratio, STICKING)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND  # islands have copies of the inertia
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # failures must stay visible
@@ -96,6 +96,7 @@ class Simulation:
         self.tensions = np.zeros_like(self.wanted)
         self.rubber = [Rubber(model, self.data, one) for one in fingers]
         self._contacts = RubberContacts(model, self.data, self.rubber)
+        self._sticking = Sticking(self.data)
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
         for k, one in enumerate(self.rubber):
             self._finger_of[:-1][np.isin(model.geom_bodyid, one.bodies)] = k
@@ -124,6 +125,7 @@ class Simulation:
         self.lost = np.zeros(len(self.fingers), bool)
         self.unsettled = 0
         self._contacts.reset()
+        self._sticking.reset()
         for one in self.rubber:
             one.reset()
         mujoco.mj_forward(self.model, self.data)
@@ -144,16 +146,20 @@ class Simulation:
                 self._check(self.fingers[k], rubber.away)
         self._contacts.replace(self.tensions)
         self.lost |= self._contacts.buried
+        is_own = (self._finger_of[data.contact.geom] >= 0).any(axis=1)
+        (own,) = is_own.nonzero()
+        is_own[self._contacts.indices] = False  # these stick by themselves
+        self._sticking.recall(is_own.nonzero()[0])
         # mj_step2, but for the inertia of a step and Coulomb's law
         mujoco.mj_factorM(model, data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         if self._coulomb:
-            own = np.flatnonzero((self._finger_of[data.contact.geom] >= 0).any(axis=1))
             self.unsettled += not solve(model, data, own)
         else:
             mujoco.mj_fwdConstraint(model, data)
         self._contacts.note()
+        self._sticking.note()
         mujoco.mj_sensorAcc(model, data)
         mujoco.mj_checkAcc(model, data)
         INTEGRATORS[model.opt.integrator](model, data)

@@ -97,7 +97,7 @@ class Hand:
             run(grips, self.driven, min(TOGETHER, steps - first), move)
 
     def put_down(self, grips: list[Grip], table: float) -> None:
-        """Go down slowly until the table is felt, at most to a height of the arm [m], a little up, and open.
+        """Go down slowly until the table is felt, at most to a height of the arm [m], and release.
 
         Tensions stay on the way: a solid on the table sticks, and a finger with less tension first presses harder.
         """
@@ -107,12 +107,12 @@ class Hand:
             self.mount[2] -= SLOWLY * PERIOD
             felt = self.pull(tensions)
             self.look()
+        self.release(tensions)
+
+    def release(self, tensions: np.ndarray) -> None:
+        """Go up at tensions, shape (fingers, tensions) [N], and open: fingers that stick would first press harder."""
         self.mount[2] += CLEAR
         self.stay(tensions, CLEARING)
-        self.open()
-
-    def open(self) -> None:
-        """Open all fingers."""
         self.phase = "open"
         self.stay(np.zeros_like(self.simulation.wanted), OPENING)
 

@@ -121,7 +121,7 @@ def perform(hand: Hand, one: Trial, layout: Layout) -> dict[str, Any]:
                 return row | {"fate": "dropped", "reason": f"slipped when the arm was to {phase}", "slips": slips}
         row |= {"slips": slips}
     if doubt:
-        hand.open()
+        hand.release(np.array([grip.tensions for grip in closing.grips]))
         return row | {"fate": "let go", "reason": doubt}
     errors = np.abs(np.array(hand.forces[first:]) / layout.targets.contact_forces - 1)
     row |= {"force_error": float(np.percentile(errors, 95))}

@@ -181,6 +181,11 @@ class RubberContacts:
         own = rows[:, None] + np.arange(pair.axes)
         data.efc_D[own] = 1 / data.efc_R[own]
 
+    @property
+    def indices(self) -> list[int]:
+        """Indices of its contacts among all of mjData."""
+        return [k for pair in self._pairs for k in range(pair.first, pair.first + len(pair.chosen))]
+
     def note(self) -> None:
         """Note the forces of a step, about which contacts of the next one are linearised."""
         for pair in self._pairs:

@@ -26,18 +26,21 @@ def test_a_solid_is_lifted_turned_and_put_down(model, number):
     assert not (row["left"] or row["lost"])
 
 
-def test_a_held_solid_creeps_by_less_than_a_micrometre_a_second(model):
-    one = trial(10, "box")  # of 230 g
+@pytest.mark.parametrize("number", [10, *(pytest.param(one, marks=pytest.mark.long) for one in (11, 12))])
+def test_a_held_solid_creeps_by_less_than_a_hundredth_of_a_micrometre_a_second(model, number):
+    """A box of 229 g, a ball of 245 g, a cylinder of 32 g; creep slows down, so that it is below 0.6 um in a minute."""
+    one = trial(number, SHAPES[number % 5])
     layout, places = planned(model, one), []
     hand = over(model, one, layout)
     height, _ = approach(hand, one, layout)
     closing = close(hand, one, layout)
-    assert not closing.failed() and one.solid.mass > 0.2
-    for seconds in (1.0, 0.5, 1.0):  # lifted, at rest, and held
+    assert not closing.failed()
+    for seconds in (1.0, 0.5, 0.5, 0.5):  # lifted, at rest, and held
         hand.carry(closing.grips, 2, height + 0.003, seconds)
-        places.append([hand.simulation.data.body(name).xpos.copy() for name in ("object", "palm")])
-    (before, palm), (after, palm_after) = places[1:]
-    assert np.linalg.norm((after - palm_after) - (before - palm)) < 1e-6
+        solid, palm = (hand.simulation.data.body(name).xpos for name in ("object", "palm"))
+        places.append(solid - palm)
+    first, second = np.linalg.norm(np.diff(places[1:], axis=0), axis=1) / 0.5
+    assert second < 1e-8 and (second < first or first < 1e-10)
 
 
 def test_fingers_find_the_table_and_the_arm_the_solid(model):
@@ -56,6 +59,12 @@ def test_what_cannot_be_held_is_refused_before_anything_moves(model):
     row = attempt(model, trial(0, "box"))
     assert (row["fate"] == "refused" and "N" in row["reason"]) or "slip" in row["reason"]
     assert "closing_seconds" not in row
+
+
+@pytest.mark.long
+def test_a_solid_that_is_let_go_is_not_crushed_when_fingers_open(model):
+    row = attempt(model, trial(329, "mesh"))
+    assert row["fate"] == "let go" and row["hardest"] < 0.5 * row["admissible_force"]  # 1.1 if they open at once
 
 
 def tension_loop(rod: Rod, rounds: int = 2, seconds: float = 20.0) -> dict[str, float]:
