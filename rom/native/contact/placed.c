@@ -109,7 +109,7 @@ static void arms(const contact_problem *problem, placed *at)
         own->count = 1;
         own->bodies[0] = slice ? 0 : chain_plate_of(problem->map, at->contacts.plates[k]);
         memcpy(own->wrenches[0], at->contacts.wrenches[k], sizeof own->wrenches[0]);
-        if (slice) slices_arms(slice, &at->chain, &at->contacts, k, NULL, own);
+        if (slice) slices_arms(slice, &at->contacts, k, NULL, own);
         acting_at_end(at, k);
     }
 }
@@ -165,6 +165,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
         }
     /* motions by the wrenches of the new bodies too */
     if (map->count != before && !chain_under(map, state->wrench, &at->chain)) return 0;
+    for (int k = 0; k < at->slices; k++) slices_hold(&at->chain, at->slice + k);
     arms(problem, at);
     return 1;
 }

@@ -53,7 +53,7 @@ static void of_slice(const contact_problem *problem, const placed *at, int k, fi
 {
     for (int axis = 0; axis < 3; axis++) {
         contact_arms own;
-        slices_arms(placed_slice_of(at, k), &at->chain, &at->contacts, k, found->axes[k][axis], &own);
+        slices_arms(placed_slice_of(at, k), &at->contacts, k, found->axes[k][axis], &own);
         memcpy(found->arms[k][axis], own.wrenches, sizeof own.wrenches);
         slices_change(problem, at->d, at, k, found->axes[k][axis], found->changes[k][axis]);
     }

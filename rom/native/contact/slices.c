@@ -274,7 +274,12 @@ void slices_make(const chain_rods *map, const chain_state *state, int q, double 
         found->flexibility[i] = found->length * found->length * found->length / bending;
     }
     /* centres of the sections where its element begins and ends */
-    for (int k = 0; k < SLICE_ENDS; k++) slices_section(map, state, q, found->element + k, found->ends[k], rotation);
+    for (int k = 0; k < SLICE_ENDS; k++) {
+        double centre[3];
+        slices_section(map, state, q, found->element + k, centre, rotation);
+        for (int i = 0; i < 3; i++) centre[i] -= found->centre[i];
+        objects_turned_back(found->rotation, centre, found->ends[k]);
+    }
 }
 
 double slices_bulge_at(const rubber_slice *slice, int across, const double *at)

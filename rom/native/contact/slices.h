@@ -28,9 +28,10 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
 /* A gap that no point between two sections is below, by their corners, before an object at d [m]. */
 double slices_least_gap(double (*begin)[3], double (*end)[3], const fingerfem_object *object, double d);
 
-/* The slice at a place, from the corners of its sections; without its bodies. */
+/* The slice at a place, from the corners of its sections; without its bodies. Then, seen from the slice, the bodies at its ends. */
 void slices_make(const chain_rods *map, const chain_state *state, int segment, double (*begin)[3], double (*end)[3], int place,
                  rubber_slice *found);
+void slices_hold(const chain_state *state, rubber_slice *slice);
 
 /* The contacts of an object at d with a slice, of which the gaps are below `near` [m]. */
 void slices_find(const rubber_slice *slice, const fingerfem_object *object, double d, double near, objects_contacts *all);
@@ -46,8 +47,7 @@ void slices_bulge(const fingerfem_segment *segment, double (*axes)[3], const dou
 
 /* What a unit force at contact k of a slice puts on its bodies; along the normal, or, unless it is NULL, along another direction
  * in space, (3). */
-void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
-                 contact_arms *found);
+void slices_arms(const rubber_slice *slice, const objects_contacts *contacts, int k, const double *force, contact_arms *found);
 
 /* How far out, at most, faces of an element are lifted by tendons [m]. */
 double slices_highest(const rod_state *rod, int element);
