@@ -178,7 +178,7 @@ void acting_over_step(const contact_problem *problem, int first, contact_state *
     body_motion motions[MOST_BODIES];
     int last = -1;
     if (first) begin_with(problem, state, problem->step->begin);
-    motions_of(problem, at, motions);
+    if (at->contacts.count) motions_of(problem, at, motions);
     memset(state->standing, 0, (size_t)contact_size(problem) * sizeof *state->standing);
     for (int k = 0; k < at->contacts.count; k++) {
         const int j = begun_as(problem, &at->contacts, k, last + 1), rubber = placed_slice_of(at, k) != NULL;

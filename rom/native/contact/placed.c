@@ -27,7 +27,7 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
-        double sections[2][OUTLINE_CORNERS][3];          /* at even places, and at odd ones */
+        rubber_section sections[2];                      /* at even places, and at odd ones */
         int places[2] = {-1, -1};
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         /* corners of the knots of near elements, and the heights of their highest ridges [m] */
@@ -37,10 +37,10 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
             const int e = segment->place_elements[n];
-            double (*const begin)[3] = sections[n % 2], (*const end)[3] = sections[(n + 1) % 2];
+            const rubber_section *begin = sections + n % 2, *end = sections + (n + 1) % 2;
             if (near[e] != 1) continue;
             for (int place = n; place <= n + 1; place++) {
-                if (places[place % 2] != place) rubber_between(segment, points, place, sections[place % 2]);
+                if (places[place % 2] != place) slices_cut(segment, points, place, sections + place % 2);
                 places[place % 2] = place;
             }
             if (slices_least_gap(begin, end, object, d) > close + highest[e]) continue;
