@@ -1,7 +1,5 @@
 """Continuation to a load: predictor, adaptive steps, three Newton strategies, bisection; an answer or an exception."""
 
-from __future__ import annotations
-
 import contextlib
 from collections import Counter
 from collections.abc import Sequence

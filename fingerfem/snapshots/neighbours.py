@@ -8,8 +8,6 @@ The field of a fit is no such state: from the field of a segment's map, some ten
 Newton's method ended at equilibria in which the rubber has crumpled, stable and wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple

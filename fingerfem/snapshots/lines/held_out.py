@@ -1,7 +1,5 @@
 """A line of held-out states that share their tensions: first the free state, then the plane ever nearer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np

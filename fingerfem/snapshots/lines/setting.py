@@ -1,7 +1,5 @@
 """Shared setting of lines of every kind: the model, the set they belong to, and states of other sets."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple

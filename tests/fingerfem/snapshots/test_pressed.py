@@ -1,20 +1,19 @@
 """Sets of pressed states: what is drawn, the same numbers whoever solves them, and the finger that comes of it."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from farm import ROOT, assert_same, run
+from farm import ROOT, run
+from terminal import ran
 
 from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
 from rom import Rod, TouchedSegment
-from rom.dataset.snapshot_set import SnapshotSet, read_task, task_file
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.rod.objects.shapes import facing_plane
 
@@ -96,25 +95,11 @@ def test_tendons_shorten_by_a_wrench_as_the_plate_moves_by_their_tensions(presse
 
 
 @pytest.mark.long
-def test_one_rank_solves_the_same_numbers(pressed_scene, pressed_set, tmp_path):
-    run(1, pressed_scene, tmp_path / "set")
-    assert_same(tmp_path / "set", pressed_set)
-
-
-@pytest.mark.long
-def test_a_line_that_is_lost_is_solved_again_and_is_the_same(pressed_scene, pressed_set, tmp_path):
-    before = read_task(pressed_set, "pressed-13")
-    task_file(pressed_set, "pressed-13").unlink()
-    assert run(1, pressed_scene, pressed_set)["this_rank"]["lines"] == 1
-    assert np.array_equal(read_task(pressed_set, "pressed-13")["clamp_place"], before["clamp_place"])
-
-
-@pytest.mark.long
 def test_held_out_states_measure_the_finger_that_is_built(pressed_scene, pressed_set, tmp_path):
     run(2, pressed_scene, tmp_path / "held-out", "--random", "8", "--seed", "3")
 
     def rom(*words: str) -> dict:
-        done = subprocess.run([sys.executable, "-m", "rom", *words, "--json"], cwd=ROOT, capture_output=True, text=True)
+        done = ran("rom", *words, "--json")
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
 
