@@ -10,7 +10,7 @@ and z', coordinates over the halves of the box, the corners c_k are such that
 
 fits the outline's nodes best, each weighted by its share of the outline's length. A bent circle deviates from that by
 v = -nu kappa (y^2 - z^2) / 2, 0.6 mm at a radius of 10 mm and a curvature of 16 1/m, whose size follows from the
-bilinear w = -nu kappa y z (rom/native/contact/slices.c adds it); 0.09 mm are left (95 % of sections, worst node).
+bilinear w = -nu kappa y z (slice_surface.c of rom/native adds it); 0.09 mm are left (95 % of sections, worst node).
 """
 
 import math

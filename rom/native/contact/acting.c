@@ -83,12 +83,14 @@ static void begin_with(const contact_problem *problem, contact_state *state, act
     }
 }
 
-/* The contact at the step's begin with the name of contact k, at about the same point; -1 if there is none. */
-static int begun_as(const contact_problem *problem, const objects_contacts *now, int k)
+/* The contact at the step's begin with the name of contact k, at about the same point; -1 if there is none. The search begins at `from`, as
+ * contacts have about the same order. */
+static int begun_as(const contact_problem *problem, const objects_contacts *now, int k, int from)
 {
     const acting_begin *begin = problem->step->begin;
     const double most = JUMP * problem->touching->chain->segments[0]->half_lengths[1];
-    for (int j = 0; j < begin->count; j++) {
+    for (int i = 0; i < begin->count; i++) {
+        const int j = (from + i) % begin->count;
         double away = 0.0;
         if (begin->names[j] != now->names[k] || begin->plates[j] != now->plates[k] || begin->objects[j] != now->objects[k]) continue;
         for (int i = 0; i < 3; i++) away = fmax(away, fabs(now->points[k][i] - begin->points[j][i]));
@@ -110,8 +112,30 @@ static double begun_at_point(const contact_problem *problem, const placed *at, i
     return gap;
 }
 
-/* V of contact k, which began as contact j, or -1. */
-static void mean_wrenches(const contact_problem *problem, placed *at, int k, int j)
+/* Motions of all bodies since the step's begin, each in its own frame of now; and R_1^T R_0. */
+typedef struct {
+    double moved[W], turned, back[9];
+} body_motion;
+
+static void motions_of(const contact_problem *problem, const placed *at, body_motion *found)
+{
+    for (int b = 0; b < problem->map->count; b++, found++) {
+        const double *R = at->chain.bodies[b].rotation;
+        double way[3];
+        if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
+        const int load = chain_load_of(problem->map, b);
+        const double *centre = problem->step->begin->centres[load], *Q = problem->step->begin->rotations[load];
+        for (int i = 0; i < 3; i++) way[i] = at->chain.bodies[b].centre[i] - centre[i];
+        objects_turned_back(R, way, found->moved);
+        inertia_turn_between(Q, R, found->moved + 3);
+        found->turned = sqrt(objects_dot(found->moved + 3, found->moved + 3));
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) found->back[3 * i + j] = R[i] * Q[j] + R[3 + i] * Q[3 + j] + R[6 + i] * Q[6 + j];
+    }
+}
+
+/* V of contact k, which began as contact j, or -1, by the motions of all bodies. */
+static void mean_wrenches(const contact_problem *problem, placed *at, const body_motion *motions, int k, int j)
 {
     const acting_begin *begin = problem->step->begin;
     const contact_arms *arms = at->arms + k;
@@ -121,22 +145,20 @@ static void mean_wrenches(const contact_problem *problem, placed *at, int k, int
         const int b = arms->bodies[a];
         memcpy(first[a], arms->wrenches[a], sizeof first[a]);
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
-        const int load = chain_load_of(problem->map, b);
-        const double *centre = begin->centres[load], *Q = begin->rotations[load], *R = at->chain.bodies[b].rotation;
-        double before[W], space[3], moved[W], way[3];
-        if (j < 0) gap = begun_at_point(problem, at, k, centre, Q, before);
-        else memcpy(before, begin->wrenches[j][a], sizeof before);
-        /* W_0 in the frame of now: R_1^T R_0 f and m; and the motion x */
-        for (int i = 0; i < 3; i++) space[i] = objects_dot(Q + 3 * i, before);
-        objects_turned_back(R, space, first[a]);
+        double before[W];
+        if (j < 0) {
+            const int load = chain_load_of(problem->map, b);
+            gap = begun_at_point(problem, at, k, begin->centres[load], begin->rotations[load], before);
+        } else {
+            memcpy(before, begin->wrenches[j][a], sizeof before);
+        }
+        /* W_0 in the frame of now: R_1^T R_0 f and m; then W . x */
+        for (int i = 0; i < 3; i++) first[a][i] = objects_dot(motions[b].back + 3 * i, before);
         memcpy(first[a] + 3, before + 3, 3 * sizeof *before);
-        for (int i = 0; i < 3; i++) way[i] = at->chain.bodies[b].centre[i] - centre[i];
-        objects_turned_back(R, way, moved);
-        inertia_turn_between(Q, R, moved + 3);
-        turned = fmax(turned, sqrt(objects_dot(moved + 3, moved + 3)));
+        turned = fmax(turned, motions[b].turned);
         for (int i = 0; i < W; i++) {
-            by_end += arms->wrenches[a][i] * moved[i];
-            by_begin += first[a][i] * moved[i];
+            by_end += arms->wrenches[a][i] * motions[b].moved[i];
+            by_begin += first[a][i] * motions[b].moved[i];
         }
     }
     own->share = 0.5;
@@ -153,13 +175,17 @@ void acting_over_step(const contact_problem *problem, int first, contact_state *
 {
     placed *at = &state->at;
     const double m = problem->step->mean_force;
+    body_motion motions[MOST_BODIES];
+    int last = -1;
     if (first) begin_with(problem, state, problem->step->begin);
+    if (at->contacts.count) motions_of(problem, at, motions);
     memset(state->standing, 0, (size_t)contact_size(problem) * sizeof *state->standing);
     for (int k = 0; k < at->contacts.count; k++) {
-        const int j = begun_as(problem, &at->contacts, k), rubber = placed_slice_of(at, k) != NULL;
+        const int j = begun_as(problem, &at->contacts, k, last + 1), rubber = placed_slice_of(at, k) != NULL;
         contact_acting *own = at->acting + k;
+        last = j < 0 ? last : j;
         if (j < 0 && rubber) continue; /* new, or it jumped: as at the end */
-        mean_wrenches(problem, at, k, j);
+        mean_wrenches(problem, at, motions, k, j);
         if (!rubber) continue;
         /* (1 - m) f + m min(f_0, 2 f), by the last f */
         const double before = problem->step->begin->forces[j];

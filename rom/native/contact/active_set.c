@@ -20,7 +20,8 @@ int response_forces(const placed *at, int count, const int *rows, double (*colum
  * a contact's own slice, of these the first `whole` ones all of it. */
 typedef struct {
     int local, whole, rows[FINGERFEM_MOST_CONTACTS], places[FINGERFEM_MOST_CONTACTS]; /* contacts by columns, and back, or -1 */
-    double matrix[FINGERFEM_MOST_CONTACTS][FINGERFEM_MOST_CONTACTS];
+    response_local points[FINGERFEM_MOST_CONTACTS];
+    double matrix[FINGERFEM_MOST_CONTACTS][FINGERFEM_MOST_CONTACTS]; /* column by column */
 } opened_columns;
 
 /* Add columns of active contacts that have none. */
@@ -28,7 +29,8 @@ static void add_local(const placed *at, const int *active, opened_columns *found
 {
     for (int j = 0; j < at->contacts.count; j++) {
         if (!active[j] || found->places[j] >= 0) continue;
-        for (int k = 0; k < at->contacts.count; k++) found->matrix[k][found->local] = response_between(at, k, j);
+        for (int k = 0; k < at->contacts.count; k++)
+            found->matrix[found->local][k] = response_local_between(found->points + k, found->points + j);
         found->rows[found->local] = j;
         found->places[j] = found->local++;
     }
@@ -48,11 +50,11 @@ static void add_openings(const contact_problem *problem, const contact_state *st
             for (int a = 0; a < arms->count; a++)
                 for (int i = 0; i < W; i++)
                     for (int c = 0; c < SMALL_COLUMNS; c++) sum[c] += arms->wrenches[a][i] * motions[W * arms->bodies[a] + i][c];
-            for (int c = 0; c < count; c++) found->matrix[k][first + c] += sum[c];
+            for (int c = 0; c < count; c++) found->matrix[first + c][k] += sum[c];
         }
         for (; found->whole < first + count; found->whole++) {
             const int k = found->rows[found->whole];
-            found->matrix[k][found->whole] += contacts->compliance[k] / contacts->shares[k];
+            found->matrix[found->whole][k] += contacts->compliance[k] / contacts->shares[k];
         }
     }
 }
@@ -60,8 +62,8 @@ static void add_openings(const contact_problem *problem, const contact_state *st
 /* Numbers of all contacts plus the matrix times those of its columns. */
 static void add_product(const opened_columns *columns, const double *by, int all, double *found)
 {
-    for (int k = 0; k < all; k++)
-        for (int c = 0; c < columns->local; c++) found[k] += columns->matrix[k][c] * by[c];
+    for (int c = 0; c < columns->local; c++)
+        for (int k = 0; k < all && by[c] != 0.0; k++) found[k] += columns->matrix[c][k] * by[c];
 }
 
 int response_balance(const contact_problem *problem, contact_state *state, double *forces)
@@ -76,6 +78,7 @@ int response_balance(const contact_problem *problem, contact_state *state, doubl
     for (int k = 0; k < all; k++) {
         active[k] = forces[k] > 0.0;
         columns.places[k] = -1;
+        response_see(&state->at, k, columns.points + k);
     }
     add_local(&state->at, active, &columns);
     for (int c = 0; c < columns.local; c++) pressing[c] = forces[columns.rows[c]];
@@ -94,7 +97,7 @@ int response_balance(const contact_problem *problem, contact_state *state, doubl
             if (active[k]) those[count++] = k;
         for (int i = 0; i < count; i++) {
             found[i] = -gaps[those[i]];
-            for (int j = 0; j < count; j++) matrix[count * i + j] = columns.matrix[those[i]][columns.places[those[j]]];
+            for (int j = 0; j < count; j++) matrix[count * i + j] = columns.matrix[columns.places[those[j]]][those[i]];
         }
         if (!small_solve(count, matrix, 1, found)) return 0;
         /* gaps with them */

@@ -20,7 +20,9 @@ typedef struct {
     double bulging;               /* Poisson's ratio over the length of the element [1/m] */
     double flexibility[2];        /* length^3 / (E I) for bending towards y and z [m/N] */
     const fingerfem_segment *of;  /* the segment */
-    double ends[SLICE_ENDS][3];   /* centres of the sections: its begin, then its end [m] */
+    double ends[SLICE_ENDS][3];   /* centres of the sections, its begin, then its end, seen from the slice [m] */
+    double arms[SLICE_ENDS][3];   /* the same from the centres of their bodies, see slices_hold [m] */
+    double turns[SLICE_ENDS][9];  /* rotations of these bodies, seen from the slice */
     double shape[SLICE_TERMS][3], bulges[2][2]; /* [m] */
     double raised;                /* of the ridges far from plates and the clamp: what they have here [-] */
     double ridges[2][2];          /* how much farther out the middles of its faces are, across y and across z, each on both sides [m] */

@@ -94,8 +94,9 @@ static void note(const contact_problem *problem, placed *at, const double *force
         own.bodies[end] = ENGINE_ENDS + end;
         slices_section(problem->map, &at->chain, own.segment, own.element + end, body->centre, body->rotation);
     }
+    slices_hold(&at->chain, &own);
     for (int axis = 0; axis < 3; axis++) {
-        slices_arms(&own, &at->chain, contacts, k, axes[axis], &arms);
+        slices_arms(&own, contacts, k, axes[axis], &arms);
         memcpy(found->arms[k][axis], arms.wrenches[0], sizeof arms.wrenches[0]);
     }
 }

@@ -27,7 +27,7 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
         unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
-        double sections[2][OUTLINE_CORNERS][3];          /* at even places, and at odd ones */
+        rubber_section sections[2];                      /* at even places, and at odd ones */
         int places[2] = {-1, -1};
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
         /* corners of the knots of near elements, and the heights of their highest ridges [m] */
@@ -37,10 +37,10 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
         /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
             const int e = segment->place_elements[n];
-            double (*const begin)[3] = sections[n % 2], (*const end)[3] = sections[(n + 1) % 2];
+            const rubber_section *begin = sections + n % 2, *end = sections + (n + 1) % 2;
             if (near[e] != 1) continue;
             for (int place = n; place <= n + 1; place++) {
-                if (places[place % 2] != place) rubber_between(segment, points, place, sections[place % 2]);
+                if (places[place % 2] != place) slices_cut(segment, points, place, sections + place % 2);
                 places[place % 2] = place;
             }
             if (slices_least_gap(begin, end, object, d) > close + highest[e]) continue;
@@ -109,7 +109,7 @@ static void arms(const contact_problem *problem, placed *at)
         own->count = 1;
         own->bodies[0] = slice ? 0 : chain_plate_of(problem->map, at->contacts.plates[k]);
         memcpy(own->wrenches[0], at->contacts.wrenches[k], sizeof own->wrenches[0]);
-        if (slice) slices_arms(slice, &at->chain, &at->contacts, k, NULL, own);
+        if (slice) slices_arms(slice, &at->contacts, k, NULL, own);
         acting_at_end(at, k);
     }
 }
@@ -165,6 +165,7 @@ int placed_under(const contact_problem *problem, double d, int rubber, contact_s
         }
     /* motions by the wrenches of the new bodies too */
     if (map->count != before && !chain_under(map, state->wrench, &at->chain)) return 0;
+    for (int k = 0; k < at->slices; k++) slices_hold(&at->chain, at->slice + k);
     arms(problem, at);
     return 1;
 }

@@ -53,7 +53,7 @@ static void of_slice(const contact_problem *problem, const placed *at, int k, fi
 {
     for (int axis = 0; axis < 3; axis++) {
         contact_arms own;
-        slices_arms(placed_slice_of(at, k), &at->chain, &at->contacts, k, found->axes[k][axis], &own);
+        slices_arms(placed_slice_of(at, k), &at->contacts, k, found->axes[k][axis], &own);
         memcpy(found->arms[k][axis], own.wrenches, sizeof own.wrenches);
         slices_change(problem, at->d, at, k, found->axes[k][axis], found->changes[k][axis]);
     }
@@ -166,9 +166,9 @@ void fingerfem_material_points(const fingerfem_chain *chain, const double *tensi
             if (contacts->rubber[k]) {
                 if (!corners) corners = slices_corners(&map, &state, q, 0, all);
                 const int place = slices_place(&map, q, contacts->parts[k]);
-                double ends[2][OUTLINE_CORNERS][3];
-                for (int end = 0; end < 2; end++) rubber_between(chain->segments[q], corners, place + end, ends[end]);
-                slices_make(&map, &state, q, ends[0], ends[1], place, &slice);
+                rubber_section ends[2];
+                for (int end = 0; end < 2; end++) slices_cut(chain->segments[q], corners, place + end, ends + end);
+                slices_make(&map, &state, q, ends, ends + 1, place, &slice);
                 slices_point(&slice, contacts->material[k], x);
             } else {
                 for (int i = 0; i < 3; i++) x[i] = plate->centre[i] + objects_dot(plate->rotation + 3 * i, contacts->material[k]);

@@ -47,6 +47,15 @@ int response_balance(const contact_problem *problem, contact_state *state, doubl
  * ends; at itself, without the indentation of its own slice [m/N]. */
 double response_between(const placed *at, int k, int other);
 
+/* The same of many pairs: what of a contact it depends on, once; a contact with itself is one address. */
+typedef struct {
+    const rubber_slice *slice; /* NULL of a plate, and nothing else has a meaning */
+    int yields, number, element, face; /* face: name of a point on one, else -1 */
+    double share, shear, held, softer, normal[2]; /* share: where in its element; shear, held: phi / 12 and 12 / (1 + phi), see slice_forces.c */
+} response_local;
+void response_see(const placed *at, int k, response_local *found);
+double response_local_between(const response_local *k, const response_local *other);
+
 /* The same with that, by the share of the slice that is pressed in: the local compliance [m/N]. */
 static inline double response_compliance(const placed *at, int k, int other)
 {

@@ -24,54 +24,61 @@ slice_beam slice_beam_at(const rubber_slice *slice, double along)
     return found;
 }
 
-void slice_beam_arms(const rubber_slice *slice, const chain_state *state, const slice_beam *at, const double *x, double (*g)[3])
+void slice_beam_arms(const rubber_slice *slice, const slice_beam *at, const double *point, double (*g)[3])
 {
     const double *s = slice->ends[0], *t = slice->ends[1];
     for (int end = 0; end < SLICE_ENDS; end++) {
-        const double *c = state->bodies[slice->bodies[end]].centre, sign = end ? -1.0 : 1.0;
+        const double sign = end ? -1.0 : 1.0;
         for (int i = 0; i < 3; i++) {
             /* m = a s_1 + (1 - a) s_2; g_e = N_e (x - m + s_e - c_e) +- u_e (s_2 - s_1) */
             const double middle = at->share * s[i] + (1.0 - at->share) * t[i];
-            g[end][i] = at->n[end] * (x[i] - middle + slice->ends[end][i] - c[i]) + sign * at->u[end] * (t[i] - s[i]);
+            g[end][i] = at->n[end] * (point[i] - middle + slice->arms[end][i]) + sign * at->u[end] * (t[i] - s[i]);
+        }
+    }
+}
+
+void slices_hold(const chain_state *state, rubber_slice *slice)
+{
+    const double *turn = slice->rotation;
+    for (int end = 0; end < SLICE_ENDS; end++) {
+        const chain_body *body = state->bodies + slice->bodies[end];
+        double centre[3], seen[3];
+        for (int i = 0; i < 3; i++) centre[i] = body->centre[i] - slice->centre[i];
+        objects_turned_back(turn, centre, seen);
+        for (int i = 0; i < 3; i++) {
+            slice->arms[end][i] = slice->ends[end][i] - seen[i];
+            for (int j = 0; j < 3; j++)
+                slice->turns[end][3 * i + j] = turn[i] * body->rotation[j] + turn[3 + i] * body->rotation[3 + j] + turn[6 + i] * body->rotation[6 + j];
         }
     }
 }
 
 void slice_couple(const rubber_slice *slice, int name, const double *p, const double *f, double *couple)
 {
-    const double gain = slice->bulging * (name < SLICE_LINES ? 1.0 : 2.0 / 3.0); /* a line across a face has the mean over its width */
-    const double even = 0.5 * (p[1] * p[1] - p[2] * p[2]), odd = p[1] * p[2];
+    const double gain = slice_couple_gain(slice, name), even = 0.5 * (p[1] * p[1] - p[2] * p[2]), odd = p[1] * p[2];
     couple[0] = 0.0;
     couple[1] = gain * (f[2] * even - f[1] * odd);
     couple[2] = gain * (f[1] * even + f[2] * odd);
 }
 
-void slice_press(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
-                 slice_pressed *found)
+void slice_press(const rubber_slice *slice, const objects_contacts *contacts, int k, const double *force, slice_pressed *found)
 {
-    double p[3], local[3];
-    memcpy(p, contacts->points[k], sizeof p);
+    const double *p = contacts->points[k];
     found->here = slice_beam_at(slice, p[0]);
-    /* point x = c + R p, normal, force and arms in space; the couple is computed in the slice's axes and turned */
-    slice_turned(slice->rotation, p, found->x);
-    for (int i = 0; i < 3; i++) found->x[i] += slice->centre[i];
-    slice_turned(slice->rotation, contacts->wrenches[k], found->n);
-    memcpy(found->f, force ? force : found->n, sizeof found->f);
-    slice_beam_arms(slice, state, &found->here, found->x, found->g);
-    objects_turned_back(slice->rotation, found->f, found->seen);
-    slice_couple(slice, contacts->names[k], p, found->seen, local);
-    slice_turned(slice->rotation, local, found->couple);
+    if (force) objects_turned_back(slice->rotation, force, found->f);
+    else memcpy(found->f, contacts->wrenches[k], sizeof found->f);
+    slice_beam_arms(slice, &found->here, p, found->g);
+    slice_couple(slice, contacts->names[k], p, found->f, found->couple);
 }
 
-void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
-                 contact_arms *found)
+void slices_arms(const rubber_slice *slice, const objects_contacts *contacts, int k, const double *force, contact_arms *found)
 {
     slice_pressed own;
-    slice_press(slice, state, contacts, k, force, &own);
+    slice_press(slice, contacts, k, force, &own);
     found->count = SLICE_ENDS;
     /* wrench of each end in its body's frame: R^T (N f), R^T (g x f +- couple) */
     for (int end = 0; end < SLICE_ENDS; end++) {
-        const double *rotation = state->bodies[slice->bodies[end]].rotation;
+        const double *rotation = slice->turns[end];
         double moment[3];
         found->bodies[end] = slice->bodies[end];
         objects_cross(own.g[end], own.f, moment);
@@ -96,7 +103,8 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     const double to_plate = e ? 1.0 : 1.0 - slice->share, to_clamp = e < segment->elements - 1 ? 1.0 : slice->share;
     const double share = fmin(1.0, 2.0 * count * fmin(to_plate, to_clamp)); /* 0 where plate or clamp fix the shape */
     const double middle = name < SLICE_LINES ? 1.0 : 2.0 / 3.0; /* mean of 1 - zeta^2 over a line across a face */
-    double place[3], rotation[9], x[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, g[SLICE_ENDS][3], axes[2][3];
+    double place[3], rotation[9], x[3], point[3], weights[OUTLINE_CORNERS], seen[3] = {0.0}, own_arms[SLICE_ENDS][3],
+           g[SLICE_ENDS][3], axes[2][3];
     double *corners = rod->work + OUTLINE_KNOT * segment->knots, *own = corners + OUTLINE_KNOT * knot;
     /* the knot's point x in space: bilinear between its corners */
     slices_section(map, state, q, e, place, rotation);
@@ -106,8 +114,14 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
     for (int edge = 0; edge < OUTLINE_CORNERS; edge++)
         for (int i = 0; i < 3; i++) seen[i] += weights[edge] * own[3 * edge + i];
     slice_turned(rotation, seen, x);
-    for (int i = 0; i < 3; i++) x[i] += place[i];
-    slice_beam_arms(slice, state, &here, x, g);
+    for (int i = 0; i < 3; i++) {
+        x[i] += place[i];
+        seen[i] = x[i] - slice->centre[i];
+    }
+    /* arms g in space */
+    objects_turned_back(slice->rotation, seen, point);
+    slice_beam_arms(slice, &here, point, own_arms);
+    for (int end = 0; end < SLICE_ENDS; end++) slice_turned(slice->rotation, own_arms[end], g[end]);
     /* y and z axes of the slice in space */
     for (int j = 0; j < 2; j++)
         for (int i = 0; i < 3; i++) axes[j][i] = slice->rotation[3 * i + 1 + j];
@@ -153,9 +167,3 @@ void slices_bend(const chain_rods *map, const rubber_slice *slice, const chain_s
         objects_turned_back(slice->rotation, way, found + 3 * column);
     }
 }
-
-/* A force f, along the normal or not, at contact k of a slice: what its changes need, all in space. */
-typedef struct {
-    slice_beam here;
-    double x[3], n[3], f[3], f_seen[3], couple[3], g[SLICE_ENDS][3]; /* seen from the slice, too */
-} pressed_beam;

@@ -25,12 +25,19 @@ int slices_near(const chain_rods *map, const chain_state *state, int segment, co
 /* Corners of the knots of such elements in space, (knots, 4, 3) [m], in the rod's work. */
 const double *slices_corners(const chain_rods *map, const chain_state *state, int segment, int free, const unsigned char *near);
 
-/* A gap that no point between two sections is below, by their corners, before an object at d [m]. */
-double slices_least_gap(double (*begin)[3], double (*end)[3], const fingerfem_object *object, double d);
+/* A cross-section in space: its corners, the bulges of its faces across y and across z, and how far these are outside its corners, at most [m]. */
+typedef struct {
+    double corners[OUTLINE_CORNERS][3], bulges[2], beyond;
+} rubber_section;
+void slices_cut(const fingerfem_segment *segment, const double *points, int place, rubber_section *found);
 
-/* The slice at a place, from the corners of its sections; without its bodies. */
-void slices_make(const chain_rods *map, const chain_state *state, int segment, double (*begin)[3], double (*end)[3], int place,
+/* A gap that no point between two sections is below, but for ridges, before an object at d [m]. */
+double slices_least_gap(const rubber_section *begin, const rubber_section *end, const fingerfem_object *object, double d);
+
+/* The slice at a place, from the corners of its sections; without its bodies. Then, seen from the slice, the bodies at its ends. */
+void slices_make(const chain_rods *map, const chain_state *state, int segment, const rubber_section *begin, const rubber_section *end, int place,
                  rubber_slice *found);
+void slices_hold(const chain_state *state, rubber_slice *slice);
 
 /* The contacts of an object at d with a slice, of which the gaps are below `near` [m]. */
 void slices_find(const rubber_slice *slice, const fingerfem_object *object, double d, double near, objects_contacts *all);
@@ -46,10 +53,11 @@ void slices_bulge(const fingerfem_segment *segment, double (*axes)[3], const dou
 
 /* What a unit force at contact k of a slice puts on its bodies; along the normal, or, unless it is NULL, along another direction
  * in space, (3). */
-void slices_arms(const rubber_slice *slice, const chain_state *state, const objects_contacts *contacts, int k, const double *force,
-                 contact_arms *found);
+void slices_arms(const rubber_slice *slice, const objects_contacts *contacts, int k, const double *force, contact_arms *found);
 
-/* How far out, at most, faces of an element are lifted by tendons [m]. */
+/* How far out the face of an element across y, 0, or across z, 1, on one of both sides, is lifted by tendons far from plates and the clamp; and
+ * all of its faces, at most [m]. */
+double slices_ridge(const rod_state *rod, int element, int across, int side);
 double slices_highest(const rod_state *rod, int element);
 
 /* How the ridge over a face at a point of a slice, by its coordinates, grows with each of some tensions, `count`, where the pose of
