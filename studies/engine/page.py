@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rom.error_statistics import quantiles
+from studies.engine.full_order import STAGES, TILT
 
 WITHIN = 0.03  # [-]
 COMPARED = {  # pairs of forces, the second as reference
@@ -25,7 +26,10 @@ def prepare(found: dict, folder: Path) -> dict:
     for row in solved:
         kinds[f"{row['obstacle']['shape']}, {row['place']}"].append(row)
     forces = [row["full_order"] for row in solved]
+    along, across, order, _ = STAGES[-1]
     return {
+        "cells": f"{along} x {across} cells of order {order}",
+        "tilt": float(np.degrees(np.arctan(np.hypot(TILT, TILT)))),
         "rows": [{"name": name, "count": len(own)} | errors(own) for name, own in kinds.items()],
         "within": WITHIN,
         "forces": [min(forces), max(forces)],
