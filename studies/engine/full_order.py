@@ -24,8 +24,8 @@ AT, OFF = (0.0455, 0.030, 0.0), 0.004  # where objects are before the plate, and
 PLANE, TILT = 0.020, 0.3  # distance of planes from the axis [m]; largest components of the normal across y [-]
 ALONG, CLEAR = (0.020, 0.036), (0.003, 0.007)  # of objects before the rubber: position, and distance at rest [m]
 HALVINGS, CLOSE = 14, 0.05  # of tension; error of the force that is asked for [-]
-# Cells along and across, order, stiffness of contact [-]: each begins at the state of the one before. The default of 2000
-# changes the force of a ball on rubber by 0.1 %, and often fails there: few points of the mesh press.
+# Cells along and across, order, stiffness of contact [-]. Each begins at the state of the one before. The default
+# stiffness, 2000, changes the force of a ball on rubber by 0.1 %, and often fails: few points of the mesh press.
 STAGES = (20, 5, 1, 20.0), (20, 5, 2, 100.0)
 WASTED = 60  # iterations of failed steps, after which a stage is given up
 
