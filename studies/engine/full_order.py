@@ -27,7 +27,7 @@ HALVINGS, CLOSE = 14, 0.05  # of tension; error of the force that is asked for [
 # Cells along and across, order, stiffness of contact [-]. Each begins at the state of the one before. The default
 # stiffness, 2000, changes the force of a ball on rubber by 0.1 %, and often fails: few points of the mesh press.
 STAGES = (20, 5, 1, 20.0), (20, 5, 2, 100.0)
-WASTED = 60  # iterations of failed steps, after which a stage is given up
+WASTED = 60  # iterations of failed steps of the last stage, which is then given up
 
 
 def drawn(random: np.random.Generator, place: str, shape: str) -> Table:
@@ -76,12 +76,12 @@ def solved(finger: Table, obstacle: Table, tensions: list[float]) -> float | Non
             Scene.model_validate(finger | {"mesh": mesh, "obstacle": obstacle | {"stiffness": stiffness}})
         )
         numbering, continuation = NodeOrder(model.problem), model.continuation
-        continuation.options = StepOptions(wasted=WASTED)
         if force is None:
             continuation.start([0.0] * len(tensions), 0.0, np.zeros_like(model.problem.displacement))
         else:
             brought = interpolation(nodes, numbering.nodes)(field.reshape(-1, 1)).reshape(-1, 3)
             continuation.start(tensions, 0.0, numbering.scatter(brought))
+            continuation.options = StepOptions(wasted=WASTED)
         try:
             continuation.advance(tensions, 0.0)
         except LoadNotReached:
