@@ -7,6 +7,7 @@ by 0.014 % (docs/appendix.md).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,8 @@ ALONG, CLEAR = (0.020, 0.036), (0.003, 0.007)  # of objects before the rubber: p
 HALVINGS, CLOSE = 14, 0.05  # of tension; error of the force that is asked for [-]
 # Cells along and across, order, stiffness of contact [-]. Each begins at the state of the one before. The default
 # stiffness, 2000, changes the force of a ball on rubber by 0.1 %, and often fails: few points of the mesh press.
-STAGES = (20, 5, 1, 20.0), (20, 5, 2, 100.0)
+Stage = tuple[int, int, int, float]
+STAGES: Sequence[Stage] = ((20, 5, 1, 20.0), (20, 5, 2, 100.0))
 WASTED = 60  # iterations of failed steps of the last stage, which is then given up
 
 
@@ -61,7 +63,7 @@ def asked(finger: Rod, random: np.random.Generator, place: str, shape: str) -> d
             return {"place": place, "obstacle": table, "tensions": point[:2], "rod": found, "estimate": estimate}
 
 
-def solved(finger: Table, obstacle: Table, tensions: list[float]) -> float | None:
+def solved(obstacle: Table, tensions: list[float], stages: Sequence[Stage] = STAGES) -> float | None:
     """Force of the full-order finger that is pulled against an obstacle [N]; None if it did not converge."""
     from fingerfem import FingerModel
     from fingerfem.discretisation.node_order import NodeOrder
@@ -69,8 +71,10 @@ def solved(finger: Table, obstacle: Table, tensions: list[float]) -> float | Non
     from fingerfem.equilibrium.failures import LoadNotReached
     from fingerfem.scene.scene import Scene
 
+    scene = TouchedSegment.load().rod.scene
+    finger = {key: scene[key] for key in ("name", "geometry", "material", "tendons")}
     force, nodes, field = None, np.zeros(0), np.zeros(0)
-    for along, across, order, stiffness in STAGES:
+    for along, across, order, stiffness in stages:
         mesh = {"cells": [along, across], "order": order}
         model = FingerModel(
             Scene.model_validate(finger | {"mesh": mesh, "obstacle": obstacle | {"stiffness": stiffness}})
@@ -94,10 +98,8 @@ def solved(finger: Table, obstacle: Table, tensions: list[float]) -> float | Non
 
 def moment(number: int) -> dict[str, Any]:
     """A moment and its forces along y [N]."""
-    finger = TouchedSegment.load().rod
-    row = asked(finger, np.random.default_rng([60, number]), *KINDS[number % len(KINDS)])
-    table = {key: finger.scene[key] for key in ("name", "geometry", "material", "tendons")}
-    return row | {"full_order": solved(table, row["obstacle"], row["tensions"])}
+    row = asked(TouchedSegment.load().rod, np.random.default_rng([60, number]), *KINDS[number % len(KINDS)])
+    return row | {"full_order": solved(row["obstacle"], row["tensions"])}
 
 
 def measure(run: Run) -> list[dict[str, Any]]:
