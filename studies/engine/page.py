@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from rom.error_statistics import quantiles
-from studies.engine.full_order import STAGES, TILT
+from studies.engine.finer import FINER, OFF
+from studies.engine.full_order import STAGES, TILT, Stage
 
-WITHIN = 0.03  # [-]
 COMPARED = {  # pairs of forces, the second as reference
     "simulated": ("simulated", "full_order"),
     "rod": ("rod", "full_order"),
@@ -19,25 +19,35 @@ COMPARED = {  # pairs of forces, the second as reference
 
 
 def prepare(found: dict, folder: Path) -> dict:
-    """Errors of all comparisons by object and touched part, and counts within WITHIN."""
-    rows = [row | {"simulated": force} for row, force in zip(found["full_order"], found["simulated"], strict=True)]
+    """Errors of all comparisons by object and touched part, counts within OFF, and moments beyond it on a finer mesh."""
+    parts = zip(found["full_order"], found["simulated"], found["finer"], strict=True)
+    rows = [
+        row | {"name": f"{row['obstacle']['shape']}, {row['place']}", "simulated": force, "finer": finer}
+        for row, force, finer in parts
+    ]
     solved = [row for row in rows if row["full_order"] is not None]
-    kinds = {f"{row['obstacle']['shape']}, {row['place']}": [] for row in rows} | {"all": solved}
-    for row in solved:
-        kinds[f"{row['obstacle']['shape']}, {row['place']}"].append(row)
+    kinds = dict.fromkeys(row["name"] for row in rows)
+    groups = {name: [row for row in solved if row["name"] == name] for name in kinds} | {"all": solved}
     forces = [row["full_order"] for row in solved]
-    along, across, order, _ = STAGES[-1]
+    off = [row for row in solved if abs(row["rod"] / row["full_order"] - 1) > OFF]
     return {
-        "cells": f"{along} x {across} cells of order {order}",
+        "cells": cells(STAGES[-1]),
+        "finer_cells": cells(FINER[-1]),
         "tilt": float(np.degrees(np.arctan(np.hypot(TILT, TILT)))),
-        "rows": [{"name": name, "count": len(own)} | errors(own) for name, own in kinds.items()],
-        "within": WITHIN,
+        "rows": [{"name": name, "count": len(own)} | errors(own) for name, own in groups.items()],
+        "off": [row | {"change": row["finer"] and row["rod"] / row["finer"] - 1} for row in off],
+        "within": OFF,
         "forces": [min(forces), max(forces)],
         "failed": len(rows) - len(solved),
     }
 
 
+def cells(stage: Stage) -> str:
+    """A mesh in words."""
+    return f"{stage[0]} x {stage[1]} cells of order {stage[2]}"
+
+
 def errors(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Quantiles of relative errors, and counts within WITHIN, of every comparison."""
+    """Quantiles of relative errors, and counts within OFF, of every comparison."""
     relative = {name: np.array([abs(row[a] / row[b] - 1) for row in rows]) for name, (a, b) in COMPARED.items()}
-    return {name: quantiles(own) | {"within": int((own <= WITHIN).sum())} for name, own in relative.items()}
+    return {name: quantiles(own) | {"within": int((own <= OFF).sum())} for name, own in relative.items()}
