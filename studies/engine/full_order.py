@@ -18,7 +18,7 @@ from studies.parts import Run
 from studies.rods.full_order import Table, rigid
 
 KINDS = ("plate", "sphere"), ("plate", "cylinder"), ("plate", "plane"), ("rubber", "sphere"), ("rubber", "cylinder")
-COUNT = 10  # moments of each kind
+COUNT = 12  # moments of each kind
 RADII = {"sphere": (0.012, 0.018), "cylinder": (0.009, 0.016)}  # [m]
 FORCES, SIDEWAYS = (0.25, 4.0), (0.0, 8.0)  # of a moment, and tension of the second tendon [N]
 AT, OFF = (0.0455, 0.030, 0.0), 0.004  # where objects are before the plate, and largest distance from there [m]
