@@ -43,6 +43,7 @@ STUDIES = {
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
     "grasping": Study("grasping", GRASPS | SIMULATED, elsewhere=(*GRASPS, *SIMULATED)),
+    "engine": Study("accuracy", _same("full_order", "finer", "simulated"), elsewhere=("simulated",)),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
     "random_fingers": Study("appendix", _same("random_fingers")),

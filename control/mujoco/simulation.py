@@ -62,7 +62,7 @@ class Simulation:
 
     Args:
         model: compiled after all fingers were attached. It gets elliptic cones and an impratio of at least 1000,
-            without islands, automatic reset and multiccd.
+            without islands, automatic reset, multiccd and midphase.
         fingers: returned by `attach`, all with the same number of tensions.
         rate: largest rate of a tension [N/s]; with chambers one for each load [N/s, Pa/s].
         coulomb: whether fingers slide by Coulomb's law; else by MuJoCo's own relaxation, which takes less time.
@@ -91,6 +91,8 @@ class Simulation:
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # failures must stay visible
         # Several points of one contact may have wrong depths: a cylinder then stays 1 mm inside a plate (MuJoCo 4.0).
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MULTICCD
+        # MuJoCo bounds planes by boxes of 1e10 m, whose round-off loses contacts of micrometres: a corner then bounces.
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)

@@ -93,6 +93,22 @@ def test_a_plane_in_the_rubber_presses_as_the_rod_says(rod):
     assert found == pytest.approx(expected, rel=0.003) and found > 0.3
 
 
+def test_a_corner_rests_on_a_tilted_plane(rod):
+    normal, tensions = (-0.15121868308492947, -1.0, 0.044140412294717324), [40.61279296875, 3.2465226521649386]
+    centre = (0.0455, 0.022029152424060814, 0.0)
+    words = [" ".join(map(str, one)) for one in (centre, normal)]
+    geom = f'type="plane" size="1 1 1" pos="{words[0]}" zaxis="{words[1]}"'
+    simulation, _ = pressed(rod, geom, 'timestep="0.001"', tensions)
+    forces = list[float]()
+    for _ in range(40):  # MuJoCo's midphase lost the contact once in 25 steps
+        simulation.step()
+        forces.append(float(simulation.contact_forces()[0]))
+    obstacle = Plane(centre=centre, normal=normal, direction=(0, 1, 0))
+    expected = float(TouchedSegment(rod=rod, obstacle=obstacle).evaluate([*tensions, 0.0]).contact_force)
+    along = 1 / np.linalg.norm(normal)  # y over the normal
+    assert np.ptp(forces) < 1e-4 * expected and forces[-1] * along == pytest.approx(expected, rel=0.005)
+
+
 def test_a_long_capsule_presses_as_a_cylinder(rod):
     place = 'size="0.01 0.1" pos="0.027 0.021 0.001"'
     forces = [pressed(rod, f'type="{kind}" {place}')[1] for kind in ("capsule", "cylinder")]

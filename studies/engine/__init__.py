@@ -1,0 +1,1 @@
+"""Contact forces in MuJoCo against the full-order model: docs/accuracy.md."""
