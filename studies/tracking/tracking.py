@@ -45,7 +45,7 @@ class Case:
         density: likewise of the rubber [-].
         friction: of the tendons in their guides [-].
         compensated: the same in the controller's options [-].
-        relaxes: whether the rubber relaxes; a finger with friction does not.
+        relaxes: whether the rubber relaxes.
     """
 
     name: str
@@ -66,7 +66,7 @@ BEFORE, STIFFER, SOFTER = "circle, before a plane", "stiffer and lighter, noise"
 LATER = Case(name="circle, free, readings 4 ms late", delay=LATE)
 PLANE = Case(name=f"{BEFORE}, readings 4 ms late", distance=DISTANCE, delay=LATE)
 NOISY = replace(LATER, noise=NOISE, modulus=1.1, density=0.9)
-ELASTIC = replace(LATER, relaxes=False)
+RUBBING = replace(LATER, friction=FRICTION)
 CASES = (
     Case(name="circle, free"),
     LATER,
@@ -79,20 +79,10 @@ CASES = (
     replace(PLANE, name=f"{BEFORE}, at most {LOW_FORCE:g} N, 4 ms late", force=LOW_FORCE, margin=LOW_MARGIN),
     replace(NOISY, name=f"circle, 10 % {STIFFER}, 4 ms late"),
     replace(NOISY, name=f"circle, 10 % {SOFTER}, 4 ms late", modulus=0.9, density=1.1),
-    replace(ELASTIC, name="circle, elastic, 4 ms late"),
-    replace(ELASTIC, name="circle, elastic, friction of 0.2, 4 ms late, not compensated", friction=FRICTION),
-    replace(
-        ELASTIC,
-        name="circle, elastic, friction of 0.2, 4 ms late, compensated",
-        friction=FRICTION,
-        compensated=FRICTION,
-    ),
-    replace(
-        ELASTIC,
-        name="circle, elastic, friction of 0.2, 4 ms late, compensated as 0.15",
-        friction=FRICTION,
-        compensated=0.15,
-    ),
+    replace(LATER, name="circle, elastic, 4 ms late", relaxes=False),
+    replace(RUBBING, name="circle, friction of 0.2, 4 ms late, not compensated"),
+    replace(RUBBING, name="circle, friction of 0.2, 4 ms late, compensated", compensated=FRICTION),
+    replace(RUBBING, name="circle, friction of 0.2, 4 ms late, compensated as 0.15", compensated=0.15),
 )
 
 

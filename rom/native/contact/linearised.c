@@ -72,6 +72,6 @@ int fingerfem_at_rest(const fingerfem_chain *chain, const double *tensions, cons
     chain_contract(&map);
     if (!chain_all_bodies(&map) || !chain_take_loads(&map, loads, wrench) || !chain_under(&map, wrench, &state)) return 0;
     for (int b = 0; b < map.count; b++) inertia_at_rest(state.bodies + b, moving + FINGERFEM_MOVING * chain_load_of(&map, b));
-    if (branches) relaxation_at_rest(&map, branches, tensions, relaxing);
+    if (branches) relaxation_at_rest(&map, branches, chain->guides ? chain->guides->tensions : tensions, relaxing);
     return 1;
 }
