@@ -122,10 +122,11 @@ class TendonFriction:
         """
         arrays, scale = self._guided.arrays, self._upper - self._lower
         tensions, slips, bends = self.now.tensions, self.now.slips + kind[0] * self.now.speeds, self.now.bends
+        found: Stepped | None = None
         for k in range(STEPS):
             missing, matrix, inside = self._equations(tensions, motors, slips, bends)
             change = np.linalg.solve(matrix, missing.ravel()).reshape(missing.shape)
-            if k and np.abs(change / scale).max() < SETTLED:
+            if found is not None and np.abs(change / scale).max() < SETTLED:
                 taken = self._taken(tensions, slips, motors)
                 speeds = (slips - self.now.slips) / kind[0]
                 self.now = Sliding(tensions, slips, speeds, bends, motors.copy(), self.now.dissipated + taken)
@@ -158,9 +159,11 @@ class TendonFriction:
     def _equations(
         self, tensions: np.ndarray, motors: np.ndarray, slips: np.ndarray, bends: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Tensions by the law less the present ones, shape (n, t) [N], minus the derivative by these, and whether all are in the box.
+        """Equations of Newton's method. Guides stick or slip by the forces that would stop their plastic slip.
 
-        Guides stick or slip by the forces that would stop their plastic slip.
+        Returns:
+            tensions by the law less the present ones, shape (n, t) [N]; the derivative of minus these by the present
+            ones, shape (n t, n t) [-]; and whether all tensions are in the box.
         """
         arrays = self._guided.arrays
         behind = self._towards_motors(tensions, motors)
@@ -217,8 +220,8 @@ def _paths(model: TouchedRod) -> tuple[np.ndarray, np.ndarray]:
     Elements are counted segment by segment, each from its plate.
 
     Returns:
-        the place of the next element's tension towards the motor among those of all elements, then of the motors, shape
-        (n, t), that of the motor where the tendon does not pass; and whether an element is between the tendon's plate and
+        the place of the next tension towards the motor among those of all elements, then of the motors, shape (n, t);
+        that of the motor where a tendon does not pass. Then true where an element is between the tendon's plate and
         another one, or is that one, shape (n, n, t).
     """
     rod = model.rod
