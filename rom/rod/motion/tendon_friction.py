@@ -91,6 +91,9 @@ class TendonFriction:
 
     def stick(self, take: Taken, state: np.ndarray) -> None:
         """Set the stiffness of guides that stick by steps that end at rest, from the initial equilibrium."""
+        take(state)  # slips accurate to the tolerance of positions, not of an increment's tensions
+        arrays = self._guided.arrays
+        self.now = self.now._replace(slips=arrays.slips.copy(), bends=arrays.bends.copy())
         yielding = np.diag(self._measured(take, state, self.now.slips)).reshape(self._rubs.shape)
         np.divide(STIFF, np.abs(yielding), out=self._stiffness, where=self._rubs)
 
