@@ -1,7 +1,5 @@
 """python3 -m control reach | hold | grasp | campaign | calibrate | export."""
 
-from __future__ import annotations
-
 from rom.console.program import begin
 
 if __name__ == "__main__":
@@ -20,9 +18,10 @@ from control.grasping.gripper import Grasp
 from control.model import Model
 from control.motion import Motion
 from rom import load
-from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_folder, run, show
-from rom.console.table import Table, millimetres, percent
+from rom.console.command_line import NOTHING_USABLE, AsJson, application, run
+from rom.console.table import Table, millimetres, percent, show
 from rom.console.terminal import say, steps
+from rom.files.atomic_file import check_folder
 
 app = application()
 COUNTED = ("converged", "unreachable", "failed", "out_of_limits")

@@ -4,8 +4,6 @@ Chenevier et al., PLoS ONE 13(2): e0192052 (2018), table 1: 10,000 random starts
 100 distances times 100 starts.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from time import perf_counter_ns
 from typing import Any

@@ -4,8 +4,6 @@ Needs the optional extra: pip install -e '.[gymnasium]'. Importing this register
 gymnasium.make("control.environment:fingerfem/Hold-v0").
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Control one finger: reach a point, find the plane from a measured force, hold a contact force, follow a path."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any

@@ -9,8 +9,6 @@ distance, the residual corrected at every step).
 Compiled, and without allocation (control/native/least_squares.h).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """A control loop at a rate: reads every finger, steps its controller, and reports the time that each period took."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Commands of a controller to a finger, and limits of its actuators and its object."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

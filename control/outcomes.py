@@ -1,7 +1,5 @@
 """Motions by what came of a question, or why it is refused: in sentences that name argument, value and range."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 Solved in compiled code (control/native/control.h).
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

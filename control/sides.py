@@ -1,7 +1,5 @@
 """The sides of a finger on which its actuators pull: the scene's own, or those of imagined mirror images."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """fingerfem: solve, simulate, modes, certify, snapshots, status, retry, render, sketch, fit-material, doctor."""
 
-from __future__ import annotations
-
 from rom.console.program import NOTHING_USABLE, begin, one_line
 
 if __name__ == "__main__":

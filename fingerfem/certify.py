@@ -1,7 +1,5 @@
 """A model's answer beside the full-order model's, solved from rest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

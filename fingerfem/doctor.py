@@ -1,7 +1,5 @@
 """Report of an installation: its parts, their faults, and the remedies."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -5,8 +5,6 @@ increment that finds no such equilibrium is halved. Stick and slip depend on the
 order in the size of the increments is left.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

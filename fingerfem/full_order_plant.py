@@ -1,7 +1,5 @@
 """The full-order model as what a controller drives: tendons pulled, contact force felt."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

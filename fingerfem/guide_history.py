@@ -5,8 +5,6 @@ layers obey `mechanics.guides`. Newton's method finds the tensions, with the com
 tangent. Between its steps the finger is brought to equilibrium. An increment that does not converge is halved.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

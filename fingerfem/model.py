@@ -1,7 +1,5 @@
 """The full-order model of one scene: a discrete problem, led to equilibria, which it reports."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from time import perf_counter
 

@@ -1,7 +1,5 @@
 """Versions of software that a number depends on, besides the scene."""
 
-from __future__ import annotations
-
 import dolfinx
 from petsc4py import PETSc
 

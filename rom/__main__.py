@@ -1,7 +1,5 @@
 """python3 -m rom build | assemble | specialise | check | info | export."""
 
-from __future__ import annotations
-
 from rom.console.program import begin
 
 if __name__ == "__main__":
@@ -14,10 +12,11 @@ from typing import Annotated
 import typer
 
 from rom import load
-from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_folder, check_parts, run, show
-from rom.console.table import percent
+from rom.console.command_line import NOTHING_USABLE, AsJson, application, check_parts, run
+from rom.console.table import percent, show
 from rom.console.terminal import log_lines, say, steps
 from rom.dataset.snapshot_set import SnapshotSet
+from rom.files.atomic_file import check_folder
 from rom.files.checked_file import kind_of
 from rom.files.file_kinds import uses_of
 from rom.rod import rod

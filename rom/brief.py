@@ -1,7 +1,5 @@
 """One line for what holds many numbers: what repr shows of models, their answers and their parts."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar

@@ -3,8 +3,6 @@
 Held-out states on a finer mesh measure the error of the training's mesh.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

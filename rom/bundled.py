@@ -1,7 +1,5 @@
 """The fingers that come with the package, by name: files of trained elements (`make model`, `make silicone`)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 FINGERS = {

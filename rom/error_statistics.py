@@ -1,7 +1,5 @@
 """Errors of many states in few numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The parameters of a model: tensions, then distances."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Base of models of tensions and distances: the box of their parameters, and checked points."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import TYPE_CHECKING
 

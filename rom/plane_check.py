@@ -1,7 +1,5 @@
 """Errors of a finger, or of a separated model, in held-out states before the plane y = side/2 + d, of any mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Models in plain data, as the commands print them by --json."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from rom.dataset.snapshot_set import SnapshotSet

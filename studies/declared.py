@@ -22,7 +22,9 @@ def _same(*names: str) -> dict[str, str]:
 
 
 OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
-GRASPS = {one: f"grasps:{one}" for one in ("first", "second", "third")}  # up to the tenth fifty
+FIFTIES = "first second third fourth fifth sixth seventh eighth ninth tenth"
+GRASPS = {fifty: f"grasps:{fifty}" for fifty in FIFTIES.split()}
+SIMULATED = _same("pictures", "real_time")
 # In this order: later studies use the snapshot sets of earlier ones.
 STUDIES = {
     "training": Study("appendix", _same("farm")),
@@ -40,7 +42,7 @@ STUDIES = {
     "calibration": Study("accuracy", _same("states", "calibrated")),
     "tapered": Study("accuracy", _same("tapered")),
     "shapes": Study("accuracy", _same("shapes")),
-    "grasping": Study("grasping", GRASPS | _same("pictures"), elsewhere=(*GRASPS, "pictures")),
+    "grasping": Study("grasping", GRASPS | SIMULATED, elsewhere=(*GRASPS, *SIMULATED)),
     "coverage": Study("accuracy", _same("coverage")),
     "extremes": Study("appendix", _same("extremes", "locking")),
     "random_fingers": Study("appendix", _same("random_fingers")),

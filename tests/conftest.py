@@ -34,6 +34,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]):
 
 
 @pytest.fixture(scope="session")
+def model():
+    """The bundled finger before its plane."""
+    import rom
+
+    return rom.load()
+
+
+@pytest.fixture(scope="session")
+def rod(model):
+    """The bundled finger alone."""
+    return model.rod
+
+
+@pytest.fixture(scope="session")
 def table():
     """The bundled finger's table before the plane y = side/2 + d, of few nodes."""
     from sampled import tabled
@@ -49,13 +63,11 @@ def table_file(table, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def models(table):
+def models(model, table):
     """Exported models, by name."""
     from assembled import two_segments
 
-    import rom
-
-    return {"rod": rom.load(), "table": table, "two_segments": two_segments()}
+    return {"rod": model, "table": table, "two_segments": two_segments()}
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,5 @@
 """FMUs as tests drive them: made once, unzipped, and asked by the names of their variables in both versions of FMI."""
 
-from __future__ import annotations
-
 import shutil
 import zipfile
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """A Python without some packages, for tests: a command runs where their import fails."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

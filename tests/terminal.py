@@ -1,6 +1,7 @@
-"""A person at a terminal, for tests: a command on a pseudo-terminal of 80 columns, what it shows, and Ctrl-C."""
+"""A person at a terminal, for tests: a command on a pseudo-terminal of 80 columns, what it shows, and Ctrl-C.
 
-from __future__ import annotations
+And a command without a terminal.
+"""
 
 import fcntl
 import os
@@ -9,6 +10,8 @@ import re
 import select
 import signal
 import struct
+import subprocess
+import sys
 import termios
 import time
 from dataclasses import dataclass
@@ -20,6 +23,12 @@ PATIENCE = 600.0  # [s] after which a command counts as hanging; tests assert no
 CONTROL = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|\x1b\][^\x07]*\x07|\x1b[@-_]")
 BAR = "━"
 NOISE = ("Traceback", "No such option", "Aborted!", "Usage:", "KeyboardInterrupt", "Exception ignored")
+
+
+def ran(program: str, *words: object) -> subprocess.CompletedProcess[str]:
+    """`python3 -m PROGRAM WORDS` in the checkout, without a terminal."""
+    command = [sys.executable, "-m", program, *map(str, words)]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,7 +1,5 @@
 """A first estimate of the clamp's pose in the measuring frame, from positions and orientations of the tip."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -1,7 +1,5 @@
 """Calibrate a finger on a log."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence

@@ -1,7 +1,5 @@
 """A finger calibrated on a log: its parameters with intervals, its errors on the log, and the calibrated model."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date

@@ -1,7 +1,5 @@
 """Logs that cannot be fitted are refused in one line that names column and row."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,14 +1,14 @@
 """python3 -m control calibrate."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rom.console.command_line import NOTHING_USABLE, AsJson, check_folder, show
+from rom.console.command_line import NOTHING_USABLE, AsJson
 from rom.console.packages import require
+from rom.console.table import show
+from rom.files.atomic_file import check_folder, check_plot
 
 
 def calibrate(
@@ -46,7 +46,7 @@ def calibrate(
         check_folder(output)
     if plot is not None:
         require("matplotlib")
-        from control.calibration.plot import check_plot, write_plot
+        from control.calibration.plot import write_plot
 
         check_plot(plot)
     from control.calibration.calibrate import CalibrationOptions, noise_of

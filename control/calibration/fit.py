@@ -9,8 +9,6 @@ The variance of every quantity is estimated by its residuals over its redundancy
 over its columns (W. Foerstner, Allgemeine Vermessungs-Nachrichten 86, 1979).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 The rows of a log are a history from rest. Between two poses tensions change along a straight line, without the object.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 The tensions of every pose are unknowns, too: all columns are measurements with noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

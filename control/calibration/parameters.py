@@ -1,7 +1,5 @@
 """The parameters that a log can determine: their units, their starting values, and how far from these they may lie."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

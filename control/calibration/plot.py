@@ -19,21 +19,6 @@ UNITS = {"position": "m", "shortening": "m", "orientation": "rad", "angle": "rad
 COLOURS = ("#1565c0", "#e07000", "#2e7d32", "#6a1b9a")
 
 
-def check_plot(file: Path) -> None:
-    """Refuse a file that could not be written.
-
-    Raises:
-        ValueError: its folder does not exist, or its ending names no format that matplotlib writes.
-    """
-    from matplotlib.figure import Figure
-
-    formats = Figure().canvas.get_supported_filetypes()
-    if file.suffix.removeprefix(".") not in formats or not file.parent.is_dir():
-        raise ValueError(
-            f"plot must be in a folder that exists and end in one of {', '.join(sorted(formats))}, got {file}"
-        )
-
-
 def draw(result: Calibration) -> Figure:
     """Residuals of every quantity along the log, with twice their noise."""
     from matplotlib.figure import Figure

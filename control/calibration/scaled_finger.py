@@ -7,8 +7,6 @@ With E the modulus and a the size, each over the trained one's, tensions F, dist
 for tip position p, shortenings S, contact force N and rotation R, where p0, S0, N0 and R0 are the model's own.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

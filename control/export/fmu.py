@@ -1,7 +1,5 @@
 """The FMU of a controller: contact force and distance in, tensions and pressures that hold the force out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from control.export import NATIVE, UNITS

@@ -3,8 +3,6 @@
 `viewer.html` is the page without a model. `make page` makes it from browser/ and from the C that Python calls.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import math

@@ -5,8 +5,6 @@ the least sum of squares of all deviations, over their standard deviations (cont
 variables too, so that it does not matter which of both the motors set.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

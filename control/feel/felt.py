@@ -1,7 +1,5 @@
 """Noise of the measurements behind a felt contact, and the estimate."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

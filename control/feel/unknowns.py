@@ -1,7 +1,5 @@
 """Unknowns of a contact: their ranges, what is expected of them, and the call of compiled code."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ A pull is one control cycle: a reading comes in, the next tensions go out. Every
 distance d* of the plane, with a weight that falls with the sensor's noise. Without a usable reading, tensions stay.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 

@@ -8,8 +8,6 @@ Faces that lean change directions of contact forces. If the pose is uncertain, a
 the contact forces, and all between them and the bounds, balance the weight in every case.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Options of a grasp: thresholds, rates and tolerances of the controller of a finger."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

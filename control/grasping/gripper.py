@@ -1,7 +1,5 @@
 """A gripper: fingers evenly around an axis that feel, find and hold an object of unknown position."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any

@@ -65,6 +65,8 @@ class Rubber:
         integers = {name: np.ascontiguousarray(one, np.int32) for name, one in integers.items()}
         pointers = CONTROL.ffi.new("fingerfem_segment *[]", elements)
         self._kept = arrays, integers, elements, memory, pointers
+        self._loads = np.zeros(len(rod.names))
+        self._given = pointer(self._loads), pointer(self.inside, "int32_t[]")
         self._struct = CONTROL.ffi.new(
             "control_sections *",
             {
@@ -92,8 +94,9 @@ class Rubber:
 
     def pull(self, tensions: np.ndarray, step: float) -> None:
         """Set forces and add to the inertia of a step [s], between MuJoCo's mj_step1 and the factorisation."""
-        inside = pointer(self.inside, "int32_t[]")
-        CONTROL.functions.control_pull(self._struct, pointer(np.ascontiguousarray(tensions)), step, inside)
+        self._loads[:] = tensions
+        loads, inside = self._given
+        CONTROL.functions.control_pull(self._struct, loads, step, inside)
 
     @property
     def away(self) -> float:

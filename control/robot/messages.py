@@ -5,8 +5,6 @@ shortenings [m]. A reading is the number of the command that it answers, then al
 the contact force [N], which is nan without a sensor.
 """
 
-from __future__ import annotations
-
 import struct
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Simulated motors of a finger that answer over UDP; replies may be lost or late, as on a network."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field

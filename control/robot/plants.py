@@ -1,7 +1,5 @@
 """Plants for `control.run` whose readings come from a log or over a link."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ A frame is a datagram and its little-endian CRC-32, encoded by consistent overhe
 IEEE/ACM Transactions on Networking 7, 1999), and a zero byte. The encoding contains no zero byte.
 """
 
-from __future__ import annotations
-
 import os
 import select
 import socket

@@ -1,7 +1,5 @@
 """Vectors and numbers assembled over the ranks that share one finger."""
 
-from __future__ import annotations
-
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_vector

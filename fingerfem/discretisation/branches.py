@@ -13,8 +13,6 @@ Mechanics, 2000, section 6.10). For an S that is linear in a step of size h, x =
 The law is the limit of slow loads. At once the distortional stress is 1 + sum of g_k times as large.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import basix.ufl

@@ -1,7 +1,5 @@
 """Chambers in the swept mesh: the cells that it lacks, and the facets around them."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial import cKDTree
 

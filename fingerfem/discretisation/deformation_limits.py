@@ -1,7 +1,5 @@
 """Limits of cells and laws on a deformation, and the volume ratio that enters the laws."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

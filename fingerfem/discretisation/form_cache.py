@@ -6,8 +6,6 @@ whenever, and nobody writes where another process reads or writes. A lock by for
 while the others wait. It only saves work: who has waited for too long, or has no locks, compiles for itself.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import shutil

@@ -3,8 +3,6 @@
 Total potential P(u; F, d) = rubber + plates + tendons + contact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

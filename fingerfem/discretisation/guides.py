@@ -1,7 +1,5 @@
 """Tendons with their own tension in every layer of the mesh: lengths, turns and nodal forces."""
 
-from __future__ import annotations
-
 import numpy as np
 import ufl
 from dolfinx import fem

@@ -1,7 +1,5 @@
 """The finger's hexahedral mesh with named regions: the section's quadrilaterals swept along the axis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import basix.ufl

@@ -1,7 +1,5 @@
 """The finger's nodes in an order that depends on neither the mesh's numbering nor the ranks that share it."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The discrete problem of a scene: unknowns, supports and loads; residual, tangent and scalars assembled from them."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -12,8 +12,6 @@ point; nine pairs (i, k) are six by symmetry. FFCx's kernel of the same form mak
 takes longer, up to three times as long with order 2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 

@@ -24,8 +24,6 @@ A tangent step keeps J to first order only. U'(J) is then the bulk modulus times
 iterations do not grow with the bulk modulus.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

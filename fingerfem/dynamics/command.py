@@ -1,7 +1,5 @@
 """python3 -m fingerfem simulate | modes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

@@ -5,8 +5,6 @@ sign, is the sum of works less the rise of the finger's energy: by the method's 
 impacts. It must not fall below zero by more than the steps' own error: that would be energy from nowhere.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, replace
 from typing import NamedTuple
 

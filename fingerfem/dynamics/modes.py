@@ -4,8 +4,6 @@ Shift-invert Lanczos about zero (ARPACK through SciPy) with the factors that New
 zero, those of negative w^2, an equilibrium that is not stable, among them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

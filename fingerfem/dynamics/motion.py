@@ -1,7 +1,5 @@
 """A motion, read from a TOML file: loads as functions of time, the base's motion, and steps."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ in place of g. With a consistent mass matrix M that is M times the force at the 
 the space of the displacement. Mass acts on displacements alone, also where rubber has a pressure of its own.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

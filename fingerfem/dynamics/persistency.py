@@ -12,8 +12,6 @@ none. A mass far below h^2 K then has the obstacle's velocity along the normal: 
 of the penalty itself, the damping vanishes.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A motion's folder: a row for every state, and what the next step needs, so that an interrupted motion goes on."""
 
-from __future__ import annotations
-
 import csv
 import time
 import zipfile

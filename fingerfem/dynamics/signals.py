@@ -1,7 +1,5 @@
 """Loads as functions of time: points joined by straight lines, with jumps between two of one time; or a sine."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

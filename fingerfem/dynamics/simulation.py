@@ -1,7 +1,5 @@
 """A motion of the full-order finger in time: steps that are repeated smaller where they fail, and what is reported."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Continuation to a load: predictor, adaptive steps, three Newton strategies, bisection; an answer or an exception."""
 
-from __future__ import annotations
-
 import contextlib
 from collections import Counter
 from collections.abc import Sequence
@@ -131,6 +129,14 @@ class Continuation:
                 size = min(2 * share, largest)
             fraction, failed = ahead, False
 
+    def settle(self) -> None:
+        """Bring a displacement that is near to the equilibrium of the present loads there, in one attempt.
+
+        Raises:
+            NotConverged: the problem is back at that displacement.
+        """
+        self._step(self._loads, STRATEGIES[:2])
+
     @property
     def _loads(self) -> Loads:
         return Loads(self.tensions.copy(), self.distance, self.wrenches.copy(), self.weight)
@@ -176,7 +182,7 @@ class Continuation:
         """
         problem, newton = self.problem, self.newton
         before = problem.displacement.copy()
-        reason, kind = "", NotConverged
+        reason, kind, spent = "", NotConverged, 0
         for strategy in strategies:
             if strategy == "line search" and loads.wrenches.any():
                 continue  # follower loads have no potential to search
@@ -194,6 +200,7 @@ class Continuation:
                 needed, linearisation = newton.solve(strategy, is_predicted=is_predicted)
             except NotConverged as failure:
                 self.iterations, self.wasted = self.iterations + failure.iterations, self.wasted + failure.iterations
+                spent += failure.iterations
                 self._linearisation = None
                 reason = f"{strategy}: {failure.reason}"
                 if isinstance(failure, BeyondLaw):  # another strategy would find the same equilibrium
@@ -211,7 +218,7 @@ class Continuation:
         problem.displacement[:] = before
         self._set_loads()
         self._last = None  # a cubic cannot foresee what made this step fail
-        raise kind(reason)
+        raise kind(reason, spent)
 
     def _hold(self, held: bool) -> None:
         if self.problem.contact is not None:

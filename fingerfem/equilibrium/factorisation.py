@@ -8,8 +8,6 @@ Loads that follow the plates add a matrix of low rank, which is not symmetric: A
     (A - B C^T)^-1 b = z + Z (1 - C^T Z)^-1 C^T z,    z = A^-1 b,    Z = A^-1 B.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Exceptions for states that have not converged."""
 
-from __future__ import annotations
-
 import numpy as np
 
 CRUSHING = 0.25  # tensions over Young's modulus times area, above which they are reported as too high [-]

@@ -1,7 +1,5 @@
 """The tangent at one displacement, factorised: what predicts the next state, differentiates this one, and judges it."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

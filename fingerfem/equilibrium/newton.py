@@ -1,7 +1,5 @@
 """The nonlinear solver: Newton's method on a discrete problem: mixed-integration-point, plain, or with line search."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -4,8 +4,6 @@ A tangent turns a plate along a straight line and so stretches it by 1/cos of th
 force, which Newton then spends iterations on removing. A predicted step is better with its plates turned rigidly.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from mpi4py import MPI
 

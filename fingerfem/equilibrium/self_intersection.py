@@ -3,8 +3,6 @@
 A triangulated surface passes through itself where an edge crosses a triangle it shares no corner with.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from dolfinx import mesh as dmesh
 from scipy.spatial import cKDTree

@@ -5,8 +5,6 @@ tendon k's length, dR/dp_k minus that of chamber k's volume and dR/dd minus that
 vectors also differentiate those.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

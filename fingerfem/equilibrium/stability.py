@@ -4,8 +4,6 @@ The tangent then has no negative eigenvalue. Half a finger moves symmetrically o
 antisymmetric has u_x = u_y = 0 there, and is looked at apart: together they are all motions of the whole finger.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A converged answer: what a state of the finger reports, and its sensitivities."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

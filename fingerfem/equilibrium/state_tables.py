@@ -1,7 +1,5 @@
 """A state of the full-order model for people: quantities with units, sensitivities, what it took."""
 
-from __future__ import annotations
-
 from collections.abc import Container, Mapping
 from typing import Any
 

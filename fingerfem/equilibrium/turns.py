@@ -1,7 +1,5 @@
 """Rotation of the tip of a slender finger of rubber alone by loads: a measure of steps."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """python3 -m fingerfem fit-material."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 
@@ -40,12 +38,12 @@ def fit_material(
     from fingerfem.material_fit.measurements import read_measurements
     from fingerfem.material_fit.report import as_json as whole
     from fingerfem.material_fit.report import material_table, parts
-    from rom.files.atomic_file import write_whole
+    from rom.files.atomic_file import check_plot, write_whole
 
     if output is not None and (output.suffix != ".toml" or not output.parent.is_dir()):
         raise ValueError(f"output must end in .toml and be in a folder that exists, got {output}")
     if plot is not None:
-        from fingerfem.material_fit.plot import check_plot, write_plot
+        from fingerfem.material_fit.plot import write_plot
 
         check_plot(plot)
     comparison = compare(read_measurements(data_file, test, to), LAWS if law is None else [law], terms, nu)

@@ -1,7 +1,5 @@
 """Fits laws to the points of tests, measures each fit on points that were left out, and chooses one of the laws."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

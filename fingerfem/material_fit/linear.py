@@ -1,7 +1,5 @@
 """Least squares for laws that are linear in their constants, if asked among the stable ones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

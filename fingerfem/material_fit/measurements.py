@@ -1,7 +1,5 @@
 """Tests of rubber, read from a CSV file: stretch or strain, and nominal stress, with their units in the header."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

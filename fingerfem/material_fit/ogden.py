@@ -1,7 +1,5 @@
 """Least squares for Ogden's law: powers by a search from several starts, their moduli by linear least squares."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any
 

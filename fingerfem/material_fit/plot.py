@@ -1,7 +1,5 @@
 """Measured stresses and fitted laws, a panel a test; where there are no data, it is hatched."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +15,6 @@ COLOURS = {"neo-hookean": "#1565c0", "mooney-rivlin": "#2e7d32", "yeoh": "#e0700
 WIDTH, HEIGHT, DOTS_PER_INCH = 5.0, 4.2, 110  # of a panel [inches]
 BEYOND = 0.25  # of the logarithmic range of the data: how far curves go on, either way [-]
 KPA = 1e-3  # kilopascals per pascal
-
-
-def check_plot(file: Path) -> None:
-    """Refuse a file that could not be written.
-
-    Raises:
-        ValueError: its folder does not exist, or its ending names no format that matplotlib writes.
-    """
-    formats = Figure().canvas.get_supported_filetypes()
-    if file.suffix.removeprefix(".") not in formats:
-        raise ValueError(f"plot must end in one of {', '.join(sorted(formats))}, got {file}")
-    if not file.parent.is_dir():
-        raise ValueError(f"plot must be in a folder that exists, got {file}")
 
 
 def draw(comparison: Comparison) -> Figure:

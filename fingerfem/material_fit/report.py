@@ -1,7 +1,5 @@
 """Report of a comparison of fitted laws: tables and lines for people, JSON, and a scene's table of material."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

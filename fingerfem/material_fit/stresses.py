@@ -1,7 +1,5 @@
 """Nominal stresses of incompressible rubber in the three tests, from the energy of any law."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fingerfem.scene.laws import NUMPY, Invariants, Law

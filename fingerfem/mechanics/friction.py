@@ -15,8 +15,6 @@ their own.
 Likewise, a point presses if N - r (g + N/k) > 0 with the gap g, where its force is N = -k g.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -10,8 +10,6 @@ shortenings of all layers from there to its plate, as it is not extensible. In a
 first bound is reached (pulled), or it falls and the second one is (let out). Friction takes (T_k - T_k+1) ds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

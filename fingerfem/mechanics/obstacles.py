@@ -4,8 +4,6 @@ An obstacle at d = 0 stands where its scene puts it; at d it is moved by d along
 formula serves the compiled forms, where coordinates are UFL expressions, and NumPy, where they are arrays.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

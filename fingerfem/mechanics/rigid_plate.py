@@ -9,8 +9,6 @@ about c is m . dtheta with
 so what does that work on dM is N = R [w]x with w = (tr U 1 - U)^-1 m_b, and on dc it is f = R f_b.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ A law's constants enter through `number`: as constants of UFL, whose values are 
 all rubbers of one law share it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

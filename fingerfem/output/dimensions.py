@@ -1,7 +1,5 @@
 """Dimension lines, axes and labels of a technical drawing."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator

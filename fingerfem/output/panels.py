@@ -4,8 +4,6 @@ VTK renders finger and obstacle along -z in parallel projection, so that lengths
 seems to pass a plane that it only touches; matplotlib adds axes in mm, the tendons and a colour bar.
 """
 
-from __future__ import annotations
-
 import io
 import pickle
 import sys

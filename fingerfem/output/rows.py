@@ -1,8 +1,5 @@
 """Results as rows for people, which fit the window; JSON has all digits."""
 
-from __future__ import annotations
-
-import json
 import shutil
 import sys
 import textwrap
@@ -10,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rom.console.table import Table, print_tables
+from rom.console.table import Table, show
 
 NAME = 24  # columns of a name
 
@@ -21,13 +18,7 @@ def finish(
     """Print what a command found, on one rank: as JSON, as tables or as rows; and end with an exit code."""
     if rank != 0:
         raise SystemExit(code)
-    if as_json:
-        print(json.dumps(result))
-    elif parts is not None:
-        print_tables(parts)
-    else:
-        print("\n".join(rows(result)))
-    raise SystemExit(code)
+    show(result, ["\n".join(rows(result))] if parts is None else parts, as_json, code)
 
 
 def rows(result: dict[str, Any], indent: str = "") -> Iterator[str]:

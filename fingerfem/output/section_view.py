@@ -1,7 +1,5 @@
 """The section of a finger at the clamp, drawn from its mesh: what is inside, tendons, pad and measures."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

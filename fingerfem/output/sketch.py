@@ -1,7 +1,5 @@
 """A labelled drawing of a scene's finger at rest, to scale: seen from the side and cut across. It needs no DOLFINx."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

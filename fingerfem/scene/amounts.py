@@ -1,7 +1,5 @@
 """Times and shares as people write them: 30min, 1 %."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

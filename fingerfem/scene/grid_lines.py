@@ -1,7 +1,5 @@
 """Grid lines along the axis that fit plates and pads at every resolution, and the section's mesh between them."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 

@@ -1,7 +1,5 @@
 """Loads of a scene, read from words."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Boundaries that a finger's mesh must follow: plates, channels, chambers, other materials and a pad."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Parts placed in the rubber: pressure chambers, and other materials such as layers, fibres, a skeleton."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

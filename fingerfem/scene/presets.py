@@ -7,8 +7,6 @@ tensions that it was measured with, without weight. A scene without a load gets 
 and its cost is not known.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

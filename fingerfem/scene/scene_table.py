@@ -1,7 +1,5 @@
 """The base of every table of a scene."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field

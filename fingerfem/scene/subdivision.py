@@ -1,7 +1,5 @@
 """Positions that contain every breakpoint and are as even as possible."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

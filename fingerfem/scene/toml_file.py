@@ -1,7 +1,5 @@
 """The scene as a TOML file: read, and refused in one line."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches

@@ -4,8 +4,6 @@ A claim only saves work: whoever solves a task writes the same numbers, whole, u
 wrongly held or wrongly freed costs time and never a result, whatever a file system or a clock does.
 """
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import logging

@@ -1,7 +1,5 @@
 """Design of a set: the finger at rest, and the parameters to solve, nodes of a training set or held-out points."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import product
 

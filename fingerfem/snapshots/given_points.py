@@ -1,7 +1,5 @@
 """Held-out points that somebody chose: a table whose columns are the scene's parameters."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One job on a snapshot set: what is asked for, checked, and done by the ranks of a communicator."""
 
-from __future__ import annotations
-
 import logging
 import math
 import time

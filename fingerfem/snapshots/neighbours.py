@@ -8,8 +8,6 @@ The field of a fit is no such state: from the field of a segment's map, some ten
 Newton's method ended at equilibria in which the rubber has crumpled, stable and wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -93,7 +91,7 @@ class KnownSet:
             wrenches: on the plates, if there are any, shape (plates, 6) [N, N m].
 
         Raises:
-            NotConverged, LoadNotReached: there is no way to it.
+            NotConverged: there is no state, or Newton's method does not bring it to this mesh.
         """
         known = self._nearest(tensions, distance, wrenches)
         bring = self._bring(numbering.nodes) if self._is_of_another_mesh else None
@@ -101,7 +99,7 @@ class KnownSet:
         continuation = model.continuation
         continuation.start(known.tensions, known.distance, numbering.scatter(field), known.wrenches)
         if bring is not None:
-            continuation.advance(known.tensions, known.distance, known.wrenches)
+            continuation.settle()
 
     def _bring(self, nodes: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         if self._interpolation is None:

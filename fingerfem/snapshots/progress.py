@@ -4,8 +4,6 @@ A bar that is asked for under mpirun is drawn on the terminal itself: Open MPI p
 none before its end.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

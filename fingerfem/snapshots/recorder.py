@@ -1,7 +1,5 @@
 """Records of a line's states, and the reasons of those that have no answer."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from typing import Any

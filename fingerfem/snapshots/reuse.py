@@ -3,8 +3,6 @@
 Nodes nest where the number of intervals is doubled: 9, 17, 33.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from pathlib import Path
 from typing import Any

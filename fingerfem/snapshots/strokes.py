@@ -3,8 +3,6 @@
 A tension does work on the shortening of its tendon [m], a pressure on the growth of its chamber [m^3].
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder

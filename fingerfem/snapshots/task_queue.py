@@ -4,8 +4,6 @@ A finger is solved by one rank, or by a group of them whose first rank claims ta
 of a task do not depend on who solved it or in which order.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -7,8 +7,6 @@ that act elsewhere, as far as it reaches. For elements of longer fingers, half o
 direction beside the force: the larger the one, the smaller the other.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

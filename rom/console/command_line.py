@@ -1,18 +1,13 @@
-"""Shared code of rom's and control's command lines: exit codes, JSON, one line for bad input."""
+"""Shared code of rom's and control's command lines: one line for bad input, and what `rom check` found."""
 
-from __future__ import annotations
-
-import json
-import math
-from collections.abc import Callable, Iterable
-from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from collections.abc import Callable
+from typing import Annotated
 
 import typer
 
 from rom.console.program import NOTHING_USABLE as NOTHING_USABLE
 from rom.console.program import one_line
-from rom.console.table import Table, accuracy, print_tables
+from rom.console.table import Table, accuracy
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
@@ -22,15 +17,6 @@ def application() -> typer.Typer:
     return typer.Typer(
         add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False
     )
-
-
-def show(result: dict[str, Any], parts: Iterable[Table | str], as_json: bool, code: int = 0) -> NoReturn:
-    """Print as tables and lines for people or as JSON (strict: nan and inf become null), and exit with a code."""
-    if as_json:
-        print(json.dumps(_strict(result)))
-    else:
-        print_tables(parts)
-    raise SystemExit(code)
 
 
 def check_parts(report: dict) -> list[Table | str]:
@@ -53,21 +39,7 @@ def check_parts(report: dict) -> list[Table | str]:
     return lines
 
 
-def _strict(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _strict(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_strict(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def run(app: Callable[[], None]) -> None:
     """Run a command line; bad input is one line on stderr and exit code 2."""
     with one_line():
         app()
-
-
-def check_folder(output: Path) -> None:
-    """Refuse a file that could not be written, before there is anything to write."""
-    if not output.parent.is_dir():
-        raise ValueError(f"output must be in a folder that exists, got {output}")

@@ -1,7 +1,5 @@
 """Ctrl-C: one line that says what is kept and how to go on, and exit code 130."""
 
-from __future__ import annotations
-
 import atexit
 import os
 import signal

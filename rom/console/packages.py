@@ -1,7 +1,5 @@
 """Packages that only a part of the project needs: one line names the missing one and what has it."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 from types import TracebackType
 

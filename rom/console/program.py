@@ -5,9 +5,6 @@ Output fits its encoding.
 Only the standard library is imported here, as a command calls `begin` before it imports anything else.
 """
 
-from __future__ import annotations
-
-import codecs
 import sys
 import warnings
 from collections.abc import Iterator
@@ -17,10 +14,9 @@ from typing import Any, NoReturn
 
 from rom.console.interruption import first_rank, interruptible
 from rom.console.packages import explained
-from rom.console.terminal import replacement, say
+from rom.console.terminal import PLAIN, say
 
 BAD_INPUT, NOTHING_USABLE = 2, 3
-PLAIN = "fingerfem.plain"  # name of the error handler of `codecs`
 
 
 def begin() -> None:
@@ -28,7 +24,6 @@ def begin() -> None:
     interruptible()  # what comes next may take seconds to import
     sys.excepthook = _explain
     warnings.showwarning = _warn
-    codecs.register_error(PLAIN, _plain)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=PLAIN)
@@ -82,10 +77,3 @@ def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -
     """Prints a warning as one line, on the first rank. Installed as `warnings.showwarning`."""
     if first_rank():
         say(str(message) if category is UserWarning else f"{category.__name__}: {message}")
-
-
-def _plain(error: UnicodeError) -> tuple[str, int]:
-    """An error handler of `codecs`: characters that the encoding has, for those that it does not have."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(map(replacement, error.object[error.start : error.end])), error.end

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import html
+import json
 import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, TextIO
+from typing import Any, NoReturn, TextIO
 
 import numpy as np
 
@@ -107,6 +108,23 @@ def _print_rich(parts: Iterable[Table | str]) -> None:
         for row in part.rows:
             drawn.add_row(*(cell.replace("[", r"\[") for cell in row))
         console.print(drawn)
+
+
+def show(result: dict[str, Any], parts: Iterable[Table | str], as_json: bool, code: int = 0) -> NoReturn:
+    """Print as tables and lines for people or as JSON (strict: nan and inf become null), and exit with a code."""
+    if as_json:
+        print(json.dumps(_strict(result)))
+    else:
+        print_tables(parts)
+    raise SystemExit(code)
+
+
+def _strict(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _strict(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_strict(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def percent(share: float) -> str:

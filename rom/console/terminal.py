@@ -1,7 +1,6 @@
 """Output while a command works: lines that fit the window, and a bar on a terminal, or lines in a pipe."""
 
-from __future__ import annotations
-
+import codecs
 import logging
 import shutil
 import sys
@@ -14,8 +13,9 @@ from importlib.util import find_spec
 from typing import Protocol, TextIO
 
 EVERY = 10.0  # [s] between two lines of progress where there is no bar
+PLAIN = "fingerfem.plain"  # name of the error handler of `codecs`
 # Substitutes for characters that the encoding of an output does not have.
-PLAIN = {"µ": "u", "±": "+-"}
+SUBSTITUTES = {"µ": "u", "±": "+-"}
 
 
 class Progress(Protocol):
@@ -52,24 +52,23 @@ def own_terminal() -> TextIO | None:
 def printable(text: str, stream: TextIO) -> str:
     """A text in characters that a stream's encoding has."""
     encoding = stream.encoding or "utf-8"
-    try:
-        text.encode(encoding)
-    except UnicodeEncodeError:
-        return "".join(one if _has(encoding, one) else replacement(one) for one in text)
-    return text
+    return text.encode(encoding, PLAIN).decode(encoding)
 
 
-def _has(encoding: str, character: str) -> bool:
-    try:
-        return bool(character.encode(encoding))
-    except UnicodeEncodeError:
-        return False
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    """An error handler of `codecs`: characters that the encoding has, for those that it does not have."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(_substitute, error.object[error.start : error.end])), error.end
 
 
-def replacement(character: str) -> str:
+codecs.register_error(PLAIN, _plain)
+
+
+def _substitute(character: str) -> str:
     """ASCII substitute of a character: itself without accents, or a question mark."""
     plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-    return PLAIN.get(character) or plain or "?"
+    return SUBSTITUTES.get(character) or plain or "?"
 
 
 def fitted(text: str) -> str:

@@ -1,7 +1,5 @@
 """The actuators of a finger, by its scene as plain data: tensions of tendons, then pressures of chambers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Contents of a snapshot set: scene, parameters and nodes, which determine its first tasks."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Collection

@@ -1,7 +1,5 @@
 """The folder of a snapshot set: begun once, by one of many, and kept free of files that are not its own."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """The sections of a finger at rest, by the geometry of its scene as plain data: a tapered one has several sizes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

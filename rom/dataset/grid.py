@@ -1,7 +1,5 @@
 """Coordinates of nodes on a grid: equal up to round-off where they mean the same, and then compared by tolerances."""
 
-from __future__ import annotations
-
 import numpy as np
 
 SHARE = 1e-6  # of a cell, or of the section's side: far above round-off, far below the thinnest cell [-]

@@ -1,7 +1,5 @@
 """States of one finger on two meshes: which sets are of it, and what brings a field from one mesh to the other."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

@@ -4,8 +4,6 @@ A round is `rounds/NNNN.json`: the error estimated from the states of all rounds
 It has no lines where that error was small enough, or no more may be added.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path

@@ -8,8 +8,6 @@ The rotation nearest to a body's motion is that of the polar decomposition of it
     t = (tr U 1 - U)^-1 k(R^T dM),    k(A) = (A32 - A23, A13 - A31, A21 - A12).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -13,8 +13,6 @@ these it holds, of every state:
 and of the line: task, fingerprint, seconds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """Rules for the scene of a finger that trains elements: checked before states are solved, and when they are read."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

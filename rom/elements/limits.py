@@ -1,7 +1,5 @@
 """Checks of elements that are read from a file: a fault is refused by name and rule."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

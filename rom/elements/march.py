@@ -13,8 +13,6 @@ w = 2 / (1 + g.g) (dg - g x dg)
     df' = R^T df - w x f',       dm' = R^T (dm - dq x f - q x df) - w x m'.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

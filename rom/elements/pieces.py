@@ -1,7 +1,5 @@
 """The elements that a segment of a length consists of."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple

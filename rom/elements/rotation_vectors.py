@@ -5,8 +5,6 @@ dg = (t + t x g + (g.t) g) / 2, and t = 2 (dg + g x dg) / (1 + g.g). (Bauchau, T
 doi:10.1023/A:1024265401576.) An element turns by far less than 180 degrees, where g is infinite.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

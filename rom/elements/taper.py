@@ -19,8 +19,6 @@ with the axial forces of tendons in N.
 `c E I` is that of the interior element: no constant is fitted. Errors by section and taper: docs/accuracy.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise

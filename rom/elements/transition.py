@@ -10,8 +10,6 @@ clamp where the interface is there. If the interface is the distal section, D tu
 about a point as far from that section: the sum of both displacements across the axis is T times -l e_x.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

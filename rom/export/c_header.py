@@ -4,8 +4,6 @@ The same C that Python calls, with the model's numbers as constants: of a separa
 rom.export.rod_header.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """C source text at file scope: its declarations, the names they declare and those they need."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

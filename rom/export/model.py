@@ -1,7 +1,5 @@
 """The numbers of a model as a struct fingerfem_model (rom/native/model.h), for a page and an FMU."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from rom.native import LIBRARY

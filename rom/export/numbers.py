@@ -1,7 +1,5 @@
 """A C struct and all it points to as C constants: no number of what Python's compiled code reads is written twice."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

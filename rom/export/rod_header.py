@@ -4,8 +4,6 @@ The same C that Python calls (rom/native), with the model's numbers as constants
 finger of one plate needs a small part of the stack that one of the most plates does.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Files that appear whole or not at all: nothing half written is ever found under a file's name."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from collections.abc import Callable, Iterator
@@ -42,3 +40,19 @@ def write_whole(file: Path, write: Callable[[Any], None], once: bool = False) ->
     """Write a file by a function of a binary stream, see `atomic_file`."""
     with atomic_file(file, once) as beside, beside.open("xb") as stream:
         write(stream)
+
+
+def check_folder(file: Path, option: str = "output") -> None:
+    """Refuse a file that could not be written, before there is anything to write."""
+    if not file.parent.is_dir():
+        raise ValueError(f"{option} must be in a folder that exists, got {file}")
+
+
+def check_plot(file: Path) -> None:
+    """Refuse a picture that could not be written, for its folder or for its format, which the file's ending names."""
+    from matplotlib.figure import Figure
+
+    formats = Figure().canvas.get_supported_filetypes()
+    if file.suffix.removeprefix(".") not in formats:
+        raise ValueError(f"plot must end in one of {', '.join(sorted(formats))}, got {file}")
+    check_folder(file, "plot")

@@ -4,8 +4,6 @@ The line stands in the block that HDF5 leaves to its users. Nothing is read befo
 itself can crash on a damaged file.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

@@ -1,7 +1,5 @@
 """Tables that users write: CSV files whose first line names every column and its unit."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -1,7 +1,5 @@
 """The kinds of file that the project writes, and the commands that take each; refusals end with these."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

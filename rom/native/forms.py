@@ -1,7 +1,5 @@
 """Separated forms and the answers of a separated model, by compiled code (separated/evaluation.h)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

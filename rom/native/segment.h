@@ -396,8 +396,8 @@ void fingerfem_evaluate_many(const fingerfem_touching *touching, int count, cons
                      double *errors, int32_t *inside, const fingerfem_report *reports);
 
 /* Answers at many points, `count`, with their derivatives, of which by_objects may be NULL, loads where they begin and end, inside
- * and evaluations, and the time of each [ns]. */
+ * and evaluations. */
 void fingerfem_touches(const fingerfem_touching *touching, int count, const double *points, double *memory, double *out,
                        double *jacobians, double *by_objects, double *loads, int32_t *inside,
-                       int32_t *evaluations, int64_t *nanoseconds);
+                       int32_t *evaluations);
 #endif

@@ -6,8 +6,6 @@ of scenes/pressed_chambers.toml heights are at most 0.9 of this growth at the hi
 the bound of rom/native/contact/bulged.c.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A finger compared with pressed states of the full-order model: places, shortenings, and what they mean for forces."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

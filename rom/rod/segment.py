@@ -1,7 +1,5 @@
 """A segment of a finger: elements in series from its plate to its clamp, and the plate."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

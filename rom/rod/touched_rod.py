@@ -1,7 +1,5 @@
 """A finger that objects touch: a model of tensions, pressures and every object's distance."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ each enrichment all terms are improved together by a few damped sweeps (alternat
 value begins at its nearest neighbour's, and then follows the sum of products.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

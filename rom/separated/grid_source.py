@@ -1,7 +1,5 @@
 """Full-order states on the paper's grid as samples (Chenevier et al. 2018): its nodes are the model's nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

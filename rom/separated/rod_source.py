@@ -1,7 +1,5 @@
 """A finger of rod elements before one object as a source: as many samples as wanted, in seconds."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -9,8 +9,6 @@ with u the tip's displacement, the contact force, and what else was sampled, and
 al., PLoS ONE 13(2): e0192052, 2018).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

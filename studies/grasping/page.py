@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from studies.declared import GRASPS
+
 FATES = ("held", "let go", "dropped", "crushed", "refused")
 REASONS = {  # parts of the reasons for which a solid was not lifted, for people
     "finds": "a finger found its face more than 6 mm from where it should be",
@@ -26,7 +28,7 @@ ALREADY = {"close": "while fingers closed", "open": "when fingers opened"}  # ph
 
 def prepare(found: dict, folder: Path) -> dict:
     """Counts by shape and by reason, and the largest slips, forces and errors of those held."""
-    rows = [row for part, rows in found.items() if part != "pictures" for row in rows]
+    rows = [row for fifty in GRASPS for row in found[fifty]]
     fates = {fate: [row for row in rows if row["fate"] == fate] for fate in FATES}
     impossible = [row for row in fates["refused"] if row["bound"] < 1]
     held, moved = fates["held"], [row for row in rows if row["fate"] != "refused"]

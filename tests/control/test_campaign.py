@@ -1,17 +1,13 @@
 """The authors' sweep: no infinity, nothing outside the limits, every unreachable target flagged."""
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from terminal import ran
 
 from control.campaign import run
 from control.least_squares import CONVERGED, STATIONARY
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_every_answer_of_the_sweep_is_inside_the_limits_and_judged_rightly(table):
@@ -39,8 +35,7 @@ def test_a_dense_search_agrees_with_every_flag_of_random_starts(table, force):
 
 def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(table_file):
     def control(*words):
-        command = [sys.executable, "-m", "control", words[0], str(table_file), *words[1:], "--json"]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        done = ran("control", words[0], table_file, *words[1:], "--json")
         return done.returncode, json.loads(done.stdout, parse_constant=lambda word: 1 / 0)
 
     code, held = control("hold", "--distance", "0.01")
@@ -85,7 +80,6 @@ def test_the_commands_answer_in_strict_json_and_flag_by_exit_code(table_file):
     ],
 )
 def test_bad_input_is_reported_and_ends_with_code_2(table_file, words, said):
-    command = [sys.executable, "-m", "control", words[0], str(table_file), *words[1:]]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    done = ran("control", words[0], table_file, *words[1:])
     assert done.returncode == 2 and done.stdout == ""
     assert said in done.stderr and len(done.stderr.strip().splitlines()) == 1

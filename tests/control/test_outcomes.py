@@ -1,11 +1,10 @@
 """Every refusal has a reason: a sentence that names the argument, its value and its range."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from terminal import ran
 
 import rom
 from control import Gripper, SimulatedPlant
@@ -25,6 +24,7 @@ REFUSED = {
         "distance must be from 0 to 0.05 m, got 10 m",
     ),
     "a point": (lambda one: one.reach([NAN, 0, 0]), "point must be three numbers within 1e+06 m, got [nan, 0, 0]"),
+    "a point far away": (lambda one: one.reach([1e200, 0, 0]), "point must be three numbers within 1e+06 m, got [1e+2"),
     "two numbers": (lambda one: one.reach([0.0, 0.1]), "point must be three numbers within 1e+06 m, got [0, 0.1]"),
     "reach from": (lambda one: one.reach(one.rest, start=[np.inf, 0]), "start must be finite in N, got [inf, 0] N"),
     "follow": (lambda one: one.follow([[NAN] * 3], 0.01)[0], "point must be three numbers within 1e+06 m"),
@@ -89,17 +89,16 @@ def test_a_grasp_of_nothing_says_of_every_finger_why(table):
 
 
 def test_the_command_prints_the_reason(table_file):
-    words = [sys.executable, "-m", "control", "hold", str(table_file), "--distance", "0.005", "--contact-force", "500"]
-    done = subprocess.run([*words, "--json"], capture_output=True, text=True)
+    words = ["control", "hold", table_file, "--distance", "0.005", "--contact-force", "500"]
+    done = ran(*words, "--json")
     assert done.returncode == 3 and json.loads(done.stdout)["reason"].startswith("contact_force 500 N at distance")
-    shown = subprocess.run(words, capture_output=True, text=True)
+    shown = ran(*words)
     assert shown.returncode == 3 and "contact_force 500 N at distance" in " ".join(shown.stdout.split())
 
 
 def shown_by(*words: str) -> dict:
     """The JSON object that a command prints."""
-    done = subprocess.run([sys.executable, "-m", "control", *words, "--json"], capture_output=True, text=True)
-    return json.loads(done.stdout)
+    return json.loads(ran("control", *words, "--json").stdout)
 
 
 def test_hold_and_reach_have_the_model_s_answer_with_units_in_names():

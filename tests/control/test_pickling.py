@@ -14,7 +14,6 @@ import rom
 from control import CalibrationOptions, Finger, Gripper, Limits, calibrate
 from control.tracking import circle
 from rom import Rod
-from rom.rod.inverse_map import InverseMap
 
 LOG = Path(__file__).parents[2] / "examples" / "log.csv"
 NOISE = {"tension": 0.02, "position": 5e-4, "orientation": 0.017}
@@ -113,11 +112,6 @@ CLASSES = {
         lambda table: Gripper(table).grips(1.0)[0],
         lambda one: [one.step(0.0).copy() for _ in range(3)] + [one.step(0.3).copy() for _ in range(3)],
     ),
-    # Not exported: `rom.rod.inverse_map` returns it to callers that move plates themselves.
-    "InverseMap": (
-        lambda table: InverseMap(rod().segments[0]),
-        lambda one: [one.find([20.0, 0], [0.047, 0.012, 0], [0.97, 0, 0, 0.24]) and one.wrench.copy(), *one.spring()],
-    ),
 }
 
 
@@ -130,7 +124,7 @@ def test_every_public_class_is_here(table):
     classes = {
         name for name, one in public.items() if isinstance(one, type) and not getattr(one, "_is_protocol", False)
     }
-    assert classes == CLASSES.keys() - {"InverseMap", "table"} | {type(table).__name__}
+    assert classes == CLASSES.keys() - {"table"} | {type(table).__name__}
     for name in public.keys() - classes:  # functions and protocols, by their names
         assert pickle.loads(pickle.dumps(public[name])) is public[name]
 

@@ -1,14 +1,13 @@
 """Comparison of a model's answers with the full-order model."""
 
 import json
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from farm import ROOT
+from terminal import ran
 
 from fingerfem import load_scene
 from fingerfem.certify import Certificate, Certifier, corners_outside, full_order_scene
@@ -79,24 +78,19 @@ def test_a_longer_finger_has_as_long_cells():
     assert full_order_scene(TouchedSegment(rod=rod, obstacle=bundled.obstacle))["mesh"]["cells"] == [64, 7]
 
 
-def run(*words: str) -> subprocess.CompletedProcess:
-    command = [sys.executable, "-m", "fingerfem", "certify", *map(str, words)]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-
-
 def test_the_command_prints_both_answers_and_refuses_in_one_line(grid, table):
     tensions = np.round(grid.free("parameters")[2, 2, :-1], 3)
     point = [f"F1={tensions[0]}", f"F2={tensions[1]}", "d=0.010"]
-    done = run(table, *point, "--json")
+    done = ran("fingerfem", "certify", table, *point, "--json")
     found = json.loads(done.stdout)
     force, tip = found["contact_force"], found["tip"]
     assert force["error"] == pytest.approx(abs(force["answer"] - force["full_order"]))
     estimated = all(one["error"] <= one["estimated_error"] for one in (force, tip))
     assert found["covered"] == (found["inside"] and estimated)
     assert done.returncode == (0 if found["covered"] else 3)
-    shown = run(table, *point)
+    shown = ran("fingerfem", "certify", table, *point)
     assert shown.returncode == done.returncode and "estimated_error" in shown.stdout
-    refused = run(table, "F1=500")
+    refused = ran("fingerfem", "certify", table, "F1=500")
     assert refused.returncode == 2 and "F1 must lie in [0, 50] N" in refused.stderr
     assert len(refused.stderr.splitlines()) == 1
 

@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 from farm import run
-from test_rods_of_materials import compare, toml
+from test_rods_of_materials import compare
 
 from rom.build import train_rod
 from rom.dataset.snapshot_set import SnapshotSet
+from studies.sets import as_toml
 
 CELL = 0.0025  # of the trained mesh, which has sections at one side from the clamp [m]
 TENSIONS = np.array([[2.3, 0.4], [3.2, 1.0], [2.8, 2.0]])  # [N]
@@ -28,7 +29,7 @@ TABLE: dict[str, Any] = {
 def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
     """Within 0.5 and 2 %, where the stiffer material begins in the middle, or at the clamp. Poisson's ratio is 0.41."""
     sampling = {"lines": 20, "wrenches": 4}
-    (tmp_path / "scene.toml").write_text(toml(TABLE | {"load": {"force": 0.3}, "sampling": sampling}))
+    (tmp_path / "scene.toml").write_text(as_toml(TABLE | {"load": {"force": 0.3}, "sampling": sampling}))
     run(2, tmp_path / "scene.toml", tmp_path / "set")
     trained = train_rod(SnapshotSet(tmp_path / "set"), {}, [])
     for ratio, begin, end in ((3.0, 7, 11), (20.0, 7, 11), (4.0, 0, 7)):

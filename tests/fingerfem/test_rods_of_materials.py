@@ -12,6 +12,7 @@ from rom import Rod, TouchedSegment
 from rom.build import train_rod
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.objects.shapes import facing_plane
+from studies.sets import as_toml
 
 FORCE, DEPTH = 0.3, 0.75  # trained [N]; of the way to the plane that touches [-]
 TENSIONS = np.array([[2.3, 1.6], [0.9, 2.0], [1.4, 3.1]])  # [N]
@@ -39,7 +40,7 @@ TABLE: dict[str, Any] = {
 
 def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
     sampling = {"lines": 16, "wrenches": 3}
-    (tmp_path / "scene.toml").write_text(toml(TABLE | {"load": {"force": FORCE}, "sampling": sampling}))
+    (tmp_path / "scene.toml").write_text(as_toml(TABLE | {"load": {"force": FORCE}, "sampling": sampling}))
     run(2, tmp_path / "scene.toml", tmp_path / "set")
     trained = train_rod(SnapshotSet(tmp_path / "set"), {}, [])
     for more, of_tip, of_force in ERRORS:
@@ -66,15 +67,3 @@ def compare(trained: Rod, table: dict[str, Any], tensions: np.ndarray, of_tip: f
         off = float(np.linalg.norm(free.tip - tip))
         assert off < of_tip * np.linalg.norm(tip) and off < free.error["tip"]
         assert float(pressed.contact_force) == pytest.approx(force, rel=of_force)
-
-
-def toml(table: dict[str, Any]) -> str:
-    """A scene's tables as a file has them."""
-    return "".join(f"{key} = {value(one)}\n" for key, one in table.items())
-
-
-def value(one: Any) -> str:
-    """A value in one line of TOML."""
-    if isinstance(one, dict):
-        return "{" + ", ".join(f"{key} = {value(part)}" for key, part in one.items()) + "}"
-    return repr(one) if not isinstance(one, list) else "[" + ", ".join(map(value, one)) + "]"

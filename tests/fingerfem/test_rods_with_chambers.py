@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 from farm import run
-from test_rods_of_materials import toml
 
 from fingerfem import FingerModel
 from fingerfem.scene.scene import Scene
@@ -13,6 +12,7 @@ from rom import TouchedSegment
 from rom.build import train_rod
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.rod.objects.shapes import facing_plane
+from studies.sets import as_toml
 
 LENGTH, SPAN = 0.060, (0.002, 0.056)  # of a segment, and where its chambers begin and end [m]
 LOADS = np.array(
@@ -40,7 +40,7 @@ def test_tip_and_force_are_those_of_the_full_order_model(tmp_path):
     """Within 0.3 and 2 %, free and before a plane, with growths of the volumes within 0.5 % of the largest."""
     one = TABLE | {"chambers": chambers(0)}
     load = {"force": 0.3, "moment": 0.02, "reach": LENGTH}
-    (tmp_path / "scene.toml").write_text(toml(one | {"load": load, "sampling": {"lines": 20, "wrenches": 3}}))
+    (tmp_path / "scene.toml").write_text(as_toml(one | {"load": load, "sampling": {"lines": 20, "wrenches": 3}}))
     run(2, tmp_path / "scene.toml", tmp_path / "set")
     geometry = TABLE["geometry"] | {"segments": [LENGTH, LENGTH]}
     tendons = [TABLE["tendons"][0] | {"segment": 2}]

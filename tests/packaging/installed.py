@@ -3,8 +3,6 @@
 python3 installed.py, outside the checkout. Prints the modules that were imported, as JSON.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -4,8 +4,6 @@ As a program it reads the files of a folder and asks everything of them: `python
 how many were refused and how many answered, and all other exceptions. A test runs it under AddressSanitizer.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import sys
@@ -28,7 +26,7 @@ from rom.native import LIBRARY, pointer
 from rom.rod.compiled.contacts import find_contacts, material_points
 from rom.rod.compiled.evaluation import sections
 from rom.rod.compiled.reports import Reports
-from rom.rod.inverse_map import InverseMap
+from tests.rom.rod.inverse import inverse, spring
 
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, 255, 65535, 2**31, -(2**31))
 POINTS = 10
@@ -228,9 +226,8 @@ def asked_of_a_rod(model: TouchedSegment, points: np.ndarray) -> None:
         material_points(model.rod.struct, points[3, :-1], loads, found)
     model.displacement(points[4])
     model.shortening(points[4])
-    inverse = InverseMap(first)
-    inverse.find(points[4, :-1], centre + 1e-4, [1.0, 0.0, 0.0, 0.0])
-    inverse.spring()
+    straight = [1.0, 0.0, 0.0, 0.0]
+    spring(first.struct, straight, inverse(first.struct, points[4, :-1], centre + 1e-4, straight))
     where: dict[str, Any] = {"centre": tuple(np.nan_to_num(centre) + 0.01), "direction": (0.3, 1.0, 0.2)}
     corners = 0.004 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     for one in (Sphere(radius=0.005, **where), Hull(vertices=[tuple(row) for row in corners], **where)):

@@ -1,7 +1,5 @@
 """repr of whatever holds many numbers is one line."""
 
-from __future__ import annotations
-
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from inspect import isclass

@@ -1,17 +1,13 @@
 """A separated model of full-order states: its commands, its errors in states, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from terminal import ROOT
+from terminal import ran
 
 from rom.build import covering, separate_grid
 from rom.dataset.plan import Plan
@@ -20,10 +16,6 @@ from rom.dataset.snapshot_set import SnapshotError, SnapshotSet, read_descriptio
 from rom.plane_check import check
 
 NAMES = {quantity.name for quantity in QUANTITIES}
-
-
-def rom(*words: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "rom", *map(str, words)], cwd=ROOT, capture_output=True, text=True)
 
 
 def with_scene(source: Path, folder: Path, **changes) -> Path:
@@ -57,17 +49,18 @@ def with_few(source: Path, folder: Path, count: int) -> Path:
 
 def test_build_check_and_info_agree(trained, tmp_path):
     model = tmp_path / "model.h5"
-    built = rom("build", trained / "training", "-o", model, "--held-out", trained / "heldout", "--json")
+    built = ran("rom", "build", trained / "training", "-o", model, "--held-out", trained / "heldout", "--json")
     assert built.returncode == 0, built.stderr
     checked, described = (
-        json.loads(rom(*words, "--json").stdout) for words in (("check", model, trained / "heldout"), ("info", model))
+        json.loads(ran("rom", *words, "--json").stdout)
+        for words in (("check", model, trained / "heldout"), ("info", model))
     )
     assert described == json.loads(built.stdout)
     assert [p["unit"] for p in described["parameters"]] == ["N", "N", "m"]
     assert described["provenance"]["versions"].keys() == {"fingerfem", "dolfinx", "petsc"}
     for name in ("tip", "contact_force", "pad_pressure", "displacement"):
         assert described["accuracy"][name]["median"] == pytest.approx(checked[name]["median"], rel=1e-2)
-    printed = rom("check", model, trained / "training").stdout
+    printed = ran("rom", "check", model, trained / "training").stdout
     assert printed.startswith(f"{SnapshotSet(trained / 'training').states} training states, 0 failed")
 
 
@@ -112,7 +105,7 @@ def test_contact_may_begin_earlier_by_as_much_as_the_touch_distance_is_off(grid_
 
 
 def test_a_set_of_too_few_states_is_refused_with_what_it_needs(trained, tmp_path):
-    done = rom("build", with_few(trained / "training", tmp_path / "few", 3), "-o", tmp_path / "model.h5")
+    done = ran("rom", "build", with_few(trained / "training", tmp_path / "few", 3), "-o", tmp_path / "model.h5")
     assert done.returncode == 2 and "Traceback" not in done.stderr
     assert "must have" in done.stderr.splitlines()[-1] and not (tmp_path / "model.h5").exists()
 
@@ -133,7 +126,7 @@ def test_a_set_of_another_scene_names_the_key_that_differs(grid_model, trained, 
     scene = read_description(trained / kind).scene
     other = with_scene(trained / kind, tmp_path / "other", geometry=scene["geometry"] | {"side": 0.0175})
     grid_model.save(tmp_path / "model.h5")
-    done = rom("check", tmp_path / "model.h5", other)
+    done = ran("rom", "check", tmp_path / "model.h5", other)
     assert done.returncode == 2 and done.stderr.count("\n") == 1
     assert done.stderr.rstrip().endswith(f"geometry.side must be {scene['geometry']['side']}, got 0.0175")
 
@@ -147,7 +140,7 @@ def test_sets_in_the_wrong_place_are_refused(trained, tmp_path):
         ("info", tmp_path / "nowhere.h5"),
         ("build", trained / "training", "-o", tmp_path / "nowhere" / "m.h5"),
     ):
-        done = rom(*words)
+        done = ran("rom", *words)
         assert done.returncode == 2, words
         assert len(done.stderr.strip().splitlines()) == 1
     with pytest.raises(SnapshotError, match="training set"):

@@ -12,31 +12,26 @@ from rom.rod.touched_segment import SHIPPED
 MAKEFILE = Path(__file__).resolve().parents[2] / "Makefile"
 
 
-@pytest.fixture(scope="module")
-def finger() -> TouchedSegment:
-    return TouchedSegment.load()
-
-
 def test_it_is_small_enough_to_track_and_made_by_a_command():
     assert SHIPPED.stat().st_size < 500_000
     text = MAKEFILE.read_text()
     assert "-o rom/finger.h5" in text[text.index("\nmodel:\n") :].split("\n\n")[0]
 
 
-def test_the_finger_is_better_than_its_mesh_and_was_measured_on_held_out_states(finger):
-    left_out, measured = finger.rod.elements.provenance["left_out"], finger.rod.accuracy
-    assert finger.scene["mesh"]["cells"] == [24, 6] and finger.scene["mesh"]["order"] == 2
+def test_the_finger_is_better_than_its_mesh_and_was_measured_on_held_out_states(model):
+    left_out, measured = model.rod.elements.provenance["left_out"], model.rod.accuracy
+    assert model.scene["mesh"]["cells"] == [24, 6] and model.scene["mesh"]["order"] == 2
     assert left_out["contact_force"]["p95"] < 0.02 and left_out["free_place_m"]["p95"] < 5e-5
     assert measured["contact_force"]["median"] < 0.005 and measured["contact_force"]["p95"] < 0.02
-    answer = finger.evaluate([50.0, 20.0, 0.010])
+    answer = model.evaluate([50.0, 20.0, 0.010])
     assert all(error > 0 for error in answer.error.values())
 
 
-def test_the_finger_is_made_of_clamp_interior_elements_and_plate(finger):
-    (own,) = finger.rod.pieces
+def test_the_finger_is_made_of_clamp_interior_elements_and_plate(model):
+    (own,) = model.rod.pieces
     assert [one.kind for one in own[:: len(own) - 1]] == ["plate", "clamp"]
     assert len(own) > 2 and {one.kind for one in own[1:-1]} == {"interior"}
-    assert sum(one.length for one in own) == pytest.approx(finger.rod.rest[0])
+    assert sum(one.length for one in own) == pytest.approx(model.rod.rest[0])
 
 
 @pytest.mark.parametrize("name", FINGERS)

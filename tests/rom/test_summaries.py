@@ -10,11 +10,6 @@ import rom
 from rom.summaries import finer_origin, origin, rod_summary, separated_summary
 
 
-@pytest.fixture(scope="module")
-def rod():
-    return rom.load().rod
-
-
 def snapshots(states: int, failed: int):
     """Attributes that a summary reads of a set."""
     description = SimpleNamespace(

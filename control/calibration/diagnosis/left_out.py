@@ -1,7 +1,5 @@
 """Errors of prediction, leave-one-out: every pose by its motors' readings and the parameters that the others give."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Parameters that a log does not determine, and the motions or columns that would add the most information."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Measurements that do not fit the others: left out one by one, and named."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

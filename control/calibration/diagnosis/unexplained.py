@@ -8,8 +8,6 @@ projector P of the tensions, and H, B of `control.calibration.fit` (a score test
 Left out of the fit, it moves the unknowns by H^-1 b g.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

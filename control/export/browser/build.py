@@ -3,8 +3,6 @@
 Needs what `npm ci` installs, and ziglang (PyPI), whose clang compiles C to WebAssembly and brings a C library for it.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import subprocess

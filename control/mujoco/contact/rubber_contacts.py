@@ -100,7 +100,8 @@ class RubberContacts:
         deepest = dict[tuple[int, int], float]()  # by how far a geom is in the blocks [m]
         self._pairs, geoms = [], data.contact.geom.copy()
         fingers = self._finger_of[geoms]
-        for k in np.flatnonzero((fingers >= 0).any(axis=1) & self._object[geoms].any(axis=1)).tolist():
+        (met_by,) = ((fingers >= 0).any(axis=1) & self._object[geoms].any(axis=1)).nonzero()
+        for k in met_by.tolist():
             side = int(fingers[k, 1] >= 0)
             met = int(fingers[k, side]), int(geoms[k, 1 - side])
             templates.setdefault(met, copy.copy(data.contact[k]))
@@ -126,9 +127,9 @@ class RubberContacts:
     def _add(self, contact: Any, near: Near, rubber: Rubber) -> Pair:
         """Add the contacts of a finger with a geom to mjData, each with the distal section of an element."""
         model, data, first = self._model, self._data, self._data.ncon
-        clamp, chosen = rubber.bodies[0], np.flatnonzero(near.gaps[: near.found.count] < contact.includemargin)
-        origin, axes = data.xpos[clamp], data.xmat[clamp].reshape(3, 3)
-        near.forces[np.flatnonzero(near.gaps[: near.found.count] >= contact.includemargin)] = 0.0
+        clamp, is_near = rubber.bodies[0], near.gaps[: near.found.count] < contact.includemargin
+        (chosen,), origin, axes = is_near.nonzero(), data.xpos[clamp], data.xmat[clamp].reshape(3, 3)
+        near.forces[: near.found.count][~is_near] = 0.0
         own, contact.dim = int(self._finger_of[contact.geom[1]] >= 0), min(contact.dim, 3)
         sign = 2 * own - 1
         places = origin + near.places[chosen] @ axes.T

@@ -86,10 +86,14 @@ class Surface:
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, rubber: Rubber):
-        self._model, self._data, self._rubber = model, data, rubber
+        self._model, self._data = model, data
         self._chain = rubber.attached.rod.struct
-        self._memory = memory_of(self._chain)
         self._near = dict[int, Near]()
+        self._clamp, self._sections = rubber.bodies[0], rubber.bodies[1:]
+        count, loads = len(self._sections), len(rubber.attached.rod.names)
+        self._tensions, self._places, self._rotations = np.zeros(loads), np.zeros((count, 3)), np.zeros((count, 3, 3))
+        given = self._tensions, self._places, self._rotations, rubber.wrenches
+        self._given = [*map(pointer, given), memory_of(self._chain)]
 
     def reset(self) -> None:
         """Forget all contacts."""
@@ -113,19 +117,17 @@ class Surface:
             self._near[geom].found.count = 0
         if not geoms:
             return []
-        data, (clamp, *sections) = self._data, self._rubber.bodies.tolist()
-        origin, axes = data.xpos[clamp], data.xmat[clamp].reshape(3, 3)
-        places = np.ascontiguousarray((data.xpos[sections] - origin) @ axes)
-        rotations = np.ascontiguousarray(axes.T @ data.xmat[sections].reshape(-1, 3, 3))
-        arrays = np.ascontiguousarray(tensions), places, rotations, self._rubber.wrenches
+        data, sections = self._data, self._sections
+        origin, axes = data.xpos[self._clamp], data.xmat[self._clamp].reshape(3, 3)
+        self._tensions[:] = tensions
+        np.matmul(data.xpos[sections] - origin, axes, out=self._places)
+        np.matmul(axes.T, data.xmat[sections].reshape(-1, 3, 3), out=self._rotations)
         for geom in geoms:
             if geom not in self._near:
                 self._near[geom] = Near(self._model, geom)
             near = self._near[geom]
             near.move((data.geom_xpos[geom] - origin) @ axes, axes.T @ data.geom_xmat[geom].reshape(3, 3))
-            LIBRARY.functions.fingerfem_engine_find(
-                self._chain, near.object, *map(pointer, arrays), self._memory, near.found
-            )
+            LIBRARY.functions.fingerfem_engine_find(self._chain, near.object, *self._given, near.found)
         return [(geom, self._near[geom]) for geom in geoms]
 
 

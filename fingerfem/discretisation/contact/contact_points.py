@@ -1,7 +1,5 @@
 """The points of the surface at which contact is looked for: those of the rule that its forms are integrated by."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 

@@ -8,8 +8,6 @@ The symmetric part of the tangent is assembled with the other springs. A bound c
 force turns with the obstacle's normal: both parts are not symmetric, and have a low rank (`LowRank`).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

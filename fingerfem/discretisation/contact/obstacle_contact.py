@@ -1,7 +1,5 @@
 """Contact of obstacle and finger: by the compiled forms, and by springs at closest points."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

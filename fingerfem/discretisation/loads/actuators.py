@@ -1,7 +1,5 @@
 """Actuators of a finger: tensions of tendons, then pressures of chambers, as fields that the forms depend on."""
 
-from __future__ import annotations
-
 import numpy as np
 from dolfinx import fem
 from numpy.typing import ArrayLike

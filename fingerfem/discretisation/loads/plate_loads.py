@@ -1,7 +1,5 @@
 """Wrenches on the plates, in the plates' own frames: nodal forces, and the low-rank stiffness of their following."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

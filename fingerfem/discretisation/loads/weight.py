@@ -1,7 +1,5 @@
 """Mass of the finger by its densities, and its weight, a dead load that is the same in every state."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

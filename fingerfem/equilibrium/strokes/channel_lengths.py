@@ -4,8 +4,6 @@ The length of a channel between two sections is the integral of |F e_x| over its
 `mechanics.tendons`: integrated cell by cell with a test function that is constant on each.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import ufl
 from dolfinx import fem

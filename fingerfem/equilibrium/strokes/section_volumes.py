@@ -9,8 +9,6 @@ M and A integrated facet by facet with a test function that is constant on each 
 A = 0, and V is the volume that the pressure does its work on.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

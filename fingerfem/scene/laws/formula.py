@@ -1,7 +1,5 @@
 """Invariants and functions in energy formulas, which UFL and NumPy share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Constants by Young's modulus and Poisson's ratio, or by Shore's hardness A, which estimates the modulus."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from typing import Any

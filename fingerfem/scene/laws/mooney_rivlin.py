@@ -1,7 +1,5 @@
 """The law of Mooney and Rivlin."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """The neo-Hookean law, and plates' steel."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import Field

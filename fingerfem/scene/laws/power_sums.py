@@ -13,8 +13,6 @@ For f = 0 it begins with I2, 3, I1. For 0 < f < 1, b^f is c0 + c1 b + sum_i w_i 
 That is a rational function of the invariants, smooth everywhere. Weights are fitted to the relative error.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

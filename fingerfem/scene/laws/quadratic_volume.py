@@ -1,7 +1,5 @@
 """The energy of a change of volume that most laws share."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from fingerfem.scene.laws.formula import Maths

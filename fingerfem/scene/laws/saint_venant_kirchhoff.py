@@ -1,7 +1,5 @@
 """The law of Saint Venant and Kirchhoff, for small strains."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 import numpy as np

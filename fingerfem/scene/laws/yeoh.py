@@ -1,7 +1,5 @@
 """Yeoh's law."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import Field

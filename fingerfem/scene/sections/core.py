@@ -1,7 +1,5 @@
 """The core of a circle's mesh: a square grid with bulging sides, on whose border the radial lines begin."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise

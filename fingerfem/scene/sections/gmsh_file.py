@@ -1,7 +1,5 @@
 """Quadrilaterals and their named groups from a file of Gmsh, format 4.1 or 2.2, in the plane (y, z)."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 from pathlib import Path

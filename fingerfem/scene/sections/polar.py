@@ -5,8 +5,6 @@ placed such that its centroid is its tendon's offset. Cells of order 2 have arcs
 1 have straight sides; their circles of the border are larger by the factor that makes the section's area exact.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from itertools import pairwise

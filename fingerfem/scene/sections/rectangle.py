@@ -1,7 +1,5 @@
 """Squares and rectangles: a grid of lines along y and z that meet the channels' faces."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 from typing import ClassVar, Literal

@@ -1,7 +1,5 @@
 """Base of all sections: a table of a scene that has its measures and makes its mesh."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A line of contact states on the grid: the plane moves from where it touches to its nearest distance."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fingerfem.equilibrium.failures import LoadNotReached

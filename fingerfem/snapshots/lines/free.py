@@ -1,7 +1,5 @@
 """A line of free states along the lead tension."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fingerfem.snapshots.lines.setting import Arrays, Setting

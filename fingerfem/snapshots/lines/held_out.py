@@ -1,7 +1,5 @@
 """A line of held-out states that share their tensions: first the free state, then the plane ever nearer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
@@ -32,14 +30,20 @@ def solve(setting: Setting, task: str, line: Line) -> Arrays:
 
 
 def _pressed(setting: Setting, line: Line) -> Recorder:
-    """States with wrenches on the plates, from rest to the free state and on."""
-    record, model = setting.recorder(), setting.model
+    """States with wrenches on the plates: from the line's free state, which is solved from rest."""
+    record, continuation = setting.recorder(), setting.model.continuation
+    free: np.ndarray | None = None
     for tensions, wrenches in _pressed_points(setting, line):
         record.restarted()
-        if not setting.begin_near(tensions, wrenches):
-            model.continuation.rest()
+        if setting.begin_near(tensions, wrenches):
+            pass
+        elif free is not None:
+            continuation.start(tensions, None, free)
+        else:
+            continuation.rest()
             try:
-                model.continuation.advance(tensions, None)
+                continuation.advance(tensions, None)
+                free = setting.model.problem.displacement.copy()
             except LoadNotReached as failure:
                 record.broken(failure)
         record.state(tensions, None, 0, wrenches)

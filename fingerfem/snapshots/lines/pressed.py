@@ -3,8 +3,6 @@
 These begin at the free one, so that none depends on another; or where they are known on another mesh (`--near`).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fingerfem.snapshots.lines.setting import Arrays, Setting

@@ -1,7 +1,5 @@
 """Shared setting of lines of every kind: the model, the set they belong to, and states of other sets."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fingerfem.discretisation.node_order import NodeOrder
-from fingerfem.equilibrium.failures import LoadNotReached, NotConverged
+from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.model import FingerModel
 from fingerfem.snapshots.neighbours import KnownSet
 from fingerfem.snapshots.recorder import Recorder
@@ -91,7 +89,7 @@ class Setting:
             return False
         try:
             self.known.near.begin(self.model, self.numbering, tensions, wrenches=wrenches)
-        except (LoadNotReached, NotConverged):
+        except NotConverged:
             return False
         return True
 

@@ -1,7 +1,5 @@
 """Solves the tasks of a set on one model, each by its line's kind."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from typing import Protocol

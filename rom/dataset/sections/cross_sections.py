@@ -15,8 +15,6 @@ Half a finger, z >= 0, has whole sections: the mirror image has the same entries
 and the others cancel.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial import cKDTree
 

@@ -13,8 +13,6 @@ v = -nu kappa (y^2 - z^2) / 2, 0.6 mm at a radius of 10 mm and a curvature of 16
 bilinear w = -nu kappa y z (rom/native/contact/slices.c adds it); 0.09 mm are left (95 % of sections, worst node).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

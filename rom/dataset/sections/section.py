@@ -4,8 +4,6 @@ A square is `geometry.side`. Any other section has a table `section`: `shape`, a
 model has measured of a file.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -43,7 +43,7 @@ class Candidates:
         lengths: shortest and longest [m].
         highest: weighted degree of the largest set.
         images: mirrors of the samples, by the equations' inputs.
-        corrected: laws that these correct, with their degree; None if they stand alone.
+        corrected: the law that these correct, with its variants; None if they stand alone.
         pressures: how many of the loads are pressures, the last ones.
     """
 
@@ -54,7 +54,7 @@ class Candidates:
     lengths: tuple[float, float]
     highest: float
     images: Sequence[Mirror]
-    corrected: tuple[Candidates, float] | None = None
+    corrected: ElementLaw | None = None
     pressures: int = 0
 
     def supports(self, degree: float) -> bool:
@@ -66,9 +66,8 @@ class Candidates:
         law_of_set = self._law(self.equations.fit(self._positions(degree), _left_out(without)))
         if self.corrected is None:
             return law_of_set
-        own, own_degree = self.corrected
-        base = own.law(own_degree)  # whole: the lines that correct it are not those that it was fitted to
-        return replace(base, polynomial=base.polynomial.plus(law_of_set.polynomial))
+        base = self.corrected  # whole: the lines that correct it are not those that it was fitted to
+        return replace(base, polynomial=base.polynomial.plus(law_of_set.polynomial), deviations=None)
 
     def with_variants(self, degree: float) -> ElementLaw:
         """The law of a weighted degree, and by how much those without a group of lines deviate from it.
@@ -79,8 +78,7 @@ class Candidates:
         groups, positions = [folds[k::VARIANTS] for k in range(min(VARIANTS, len(folds)))], self._positions(degree)
         deviations = self.equations.deviations(positions, groups, POSE)
         if self.corrected is not None:
-            own, own_degree = self.corrected
-            base = own.with_variants(own_degree).deviations
+            base = self.corrected.deviations
             assert base is not None
             few = base.coefficients.shape[1] - deviations.coefficients.shape[1]  # of fewer lines there are fewer groups
             padded = replace(deviations, coefficients=np.pad(deviations.coefficients, [(0, 0), (0, few)]))

@@ -6,8 +6,6 @@ deeper or higher, and its force off by dg / (dg/df), where g(f) is how far the f
 normal. As the plate turns, the normal turns in its frame, and the wrench with it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from rom.elements.samples.section_states import SectionStates

@@ -1,7 +1,5 @@
 """The degrees of the elements' polynomials, chosen by the error of the assembled finger in left-out lines."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from rom.elements.fitting.candidates import STEP, Candidates

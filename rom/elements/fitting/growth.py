@@ -4,8 +4,6 @@ Lines are a low-discrepancy sequence of tensions and wrenches, of which any firs
 smooth in both, and a polynomial of the whole box learns from every state.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -9,6 +9,7 @@ would be too small at the ends of the ranges.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from rom.elements.samples.element_samples import Samples
 from rom.elements.samples.symmetry import Mirror
 
 DEGREE = 3.0  # weighted degree of a correction's polynomial [-]
-RIDGE = 1e-2  # of the number of rows, on the diagonal of the normal equations: measured, by lines left out [-]
+RIDGES = 1e-4, 1e-3, 1e-2  # of the number of rows, on the diagonal of the normal equations: lines left out choose [-]
 
 
 class Differences(NormalEquations):
@@ -84,7 +85,7 @@ def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_
         samples: on the finer mesh, of one length each.
         fold_of: of every line of these.
     """
-    law = own.law(degree)
+    law = own.with_variants(degree)
     powers = law.polynomial.powers[chosen(law.polynomial.powers, own.weights, DEGREE)]
     equations = Differences(law, powers, max(fold_of.values()) + 1)
     for one in samples:
@@ -92,8 +93,14 @@ def correcting(own: Candidates, degree: float, samples: Sequence[Samples], fold_
         inputs, differences, jacobians = rows_of(left, law.tension_map, law.has_lengths)
         equations.add(inputs, differences, jacobians, np.array([fold_of[line] for line in one.lines.tolist()]))
     equations.add_images(own.images)
-    equations.prior[:] = RIDGE * equations.rows.sum()
-    return replace(own, equations=equations, highest=DEGREE, corrected=(own, degree))
+    return replace(own, equations=equations, highest=DEGREE, corrected=law)
+
+
+def with_ridge(correction: Candidates, ridge: float) -> Candidates:
+    """The same correction with another ridge, one of RIDGES [-]."""
+    equations = copy(correction.equations)
+    equations.prior = np.full(len(equations.powers), ridge * equations.rows.sum())
+    return replace(correction, equations=equations)
 
 
 def _without(law: ElementLaw, samples: Samples) -> Samples:

@@ -5,8 +5,6 @@ products of Chebyshev polynomials of the scaled inputs. The normal equations are
 is one subtraction and one factorisation, and a fit of fewer products is a part of the same matrices.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 

@@ -22,7 +22,7 @@ from rom.elements.fitting.calibration import error_factors, floors_of
 from rom.elements.fitting.candidates import Candidates, candidates
 from rom.elements.fitting.contact_error import relative_force_errors
 from rom.elements.fitting.degrees import HIGHEST, best_degrees
-from rom.elements.fitting.mesh_correction import DEGREE, correcting
+from rom.elements.fitting.mesh_correction import DEGREE, RIDGES, correcting, with_ridge
 from rom.elements.law import ElementLaw, ElementMap
 from rom.elements.march import march
 from rom.elements.outline import train_outline
@@ -151,7 +151,9 @@ def train(
     degrees = best_degrees(training.score, training.kinds)
     trainings = [(training, degrees)]
     if finer is not None:
-        trainings.append((corrections(training, degrees, finer), dict.fromkeys(degrees, DEGREE)))
+        of_corrections = dict.fromkeys(degrees, DEGREE)
+        each = corrections(training, degrees, finer)
+        trainings.append((min(each, key=lambda one: one.score(of_corrections)), of_corrections))
     training, of_laws = trainings[-1]
     places, turned, shorter = training.left_out(of_laws)
     outlines, fold = outline_pairs(states.at, extent(states.scene)), fold_of(states)[1]
@@ -185,8 +187,8 @@ def stroke_errors(off: np.ndarray, pressures: int) -> dict[str, Any]:
     return {name: quantiles(part.max(axis=1)) for name, part in zip(STROKES, parts, strict=True) if part.size}
 
 
-def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> Training:
-    """The regressions of the mesh corrections of all elements, see `rom.elements.fitting.mesh_correction`.
+def corrections(training: Training, degrees: dict[str, float], finer: SectionStates) -> list[Training]:
+    """The regressions of the mesh corrections of all elements, by RIDGES, see `rom.elements.fitting.mesh_correction`.
 
     Args:
         training: on the coarser mesh.
@@ -198,4 +200,7 @@ def corrections(training: Training, degrees: dict[str, float], finer: SectionSta
     for kind, pairs in cut(finer.at, extent(finer.scene)).items():
         samples = [element_samples(finer, *pair) for pair in pairs]
         kinds[kind] = correcting(training.kinds[kind], degrees[kind], samples, of_line)
-    return Training(states=finer, fold=fold, kinds=kinds)
+    return [
+        Training(states=finer, fold=fold, kinds={kind: with_ridge(one, ridge) for kind, one in kinds.items()})
+        for ridge in RIDGES
+    ]

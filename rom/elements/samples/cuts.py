@@ -1,7 +1,5 @@
 """Cuts of a finger into elements, at cross-sections of its mesh."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rom.dataset.geometry import END

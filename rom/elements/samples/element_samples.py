@@ -1,7 +1,5 @@
 """Samples of elements: from two bodies of a state, what an element between them sees and does."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ The pair y^a z^b, y^b z^a is made orthonormal symmetrically (P.-O. Loewdin, J. C
 section, which permutes tendons, permutes these variables too, but for signs.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The file of an FMU: its description, its C sources, and the library that they make on this machine."""
 
-from __future__ import annotations
-
 import hashlib
 import platform
 import re

@@ -1,7 +1,5 @@
 """modelDescription.xml of FMI 2.0 and 3.0, and FMI 3.0's buildDescription.xml."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 

@@ -1,7 +1,5 @@
 """The variables of a finger's FMU, by what the C in native/ has: value references, and what statuses mean."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The compiled segment and what touches it (segment.h), called with arrays of NumPy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

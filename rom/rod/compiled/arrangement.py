@@ -1,7 +1,5 @@
 """Numbers of a segment in the order of segment.h."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Possible contacts of a finger and an object under given loads, and motions by forces there (possible_contacts.c)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Answers of a touched rod with their estimated errors, and its surface as it is drawn (segment.h)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A finger whose tendons rub in their guides, by compiled code (rod/guides.c, contact/guided.c)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -32,8 +32,6 @@ From there to nu = 0 or 0.49, forces of cylinders across a face and of balls on 
 these springs change alike, within 4 % (linear elasticity, tests/rom/rod/test_indentation.py).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

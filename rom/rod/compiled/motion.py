@@ -1,7 +1,5 @@
 """Steps of time of a finger before objects, by compiled code (segment.h)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

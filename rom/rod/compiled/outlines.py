@@ -1,7 +1,5 @@
 """The outline of an element as compiled code has it: corners of a few of its cross-sections, its knots."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

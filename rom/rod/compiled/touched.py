@@ -1,7 +1,5 @@
 """Answers of compiled code before objects, and the contacts that press there (segment.h)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +23,6 @@ class Touched(NamedTuple):
         inside: whether tensions, loads and d lie where the elements were trained, and there is an answer that is
             stable, shape (n,).
         evaluations: of the map, negative where there is no answer, shape (n,).
-        nanoseconds: that each took, shape (n,).
         plates: how many the finger has.
     """
 
@@ -35,7 +32,6 @@ class Touched(NamedTuple):
     loads: np.ndarray
     inside: np.ndarray
     evaluations: np.ndarray
-    nanoseconds: np.ndarray
     plates: int
 
     @property
@@ -65,16 +61,9 @@ def touches(touching: Any, points: np.ndarray, loads: np.ndarray | None = None, 
         begun[:, : loads.shape[1]] = loads
     counts, moved = np.empty((2, n), np.int32), np.empty((n, rows, 6 * m)) if by_object else None
     touched = Touched(
-        np.empty((n, rows)),
-        np.empty((n, rows, p)),
-        moved,
-        begun,
-        counts[0],
-        counts[1],
-        np.empty(n, np.int64),
-        touching.chain.plates,
+        np.empty((n, rows)), np.empty((n, rows, p)), moved, begun, counts[0], counts[1], touching.chain.plates
     )
-    kinds = ("double[]",) * 4 + ("int32_t[]",) * 2 + ("int64_t[]",)
+    kinds = ("double[]",) * 4 + ("int32_t[]",) * 2
     parts = zip(touched[:-1], kinds, strict=True)
     given = [LIBRARY.ffi.NULL if part is None else pointer(part, kind) for part, kind in parts]
     LIBRARY.functions.fingerfem_touches(touching, n, pointer(points), memory_of(touching.chain), *given)

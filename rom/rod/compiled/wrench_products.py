@@ -1,7 +1,5 @@
 """Products of a wrench's polynomials as a product of the force times one of the moment, as compiled code sums them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable
 

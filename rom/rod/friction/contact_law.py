@@ -10,8 +10,6 @@ itself [m/N], and a number r [N/m]:
     slides            beyond:                              g' = 0,  f_t = mu (f_n - r g') (f_t - r s') / |f_t - r s'|
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact with friction along a history of tensions and of the object's places."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """A finger with friction of its tendons in their guides, in increments of the motors' history."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

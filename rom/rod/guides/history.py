@@ -1,7 +1,5 @@
 """Histories of the motors of a finger with friction of its tendons in their guides."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 
 import numpy as np

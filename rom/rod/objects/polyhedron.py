@@ -1,7 +1,5 @@
 """A convex polyhedron's faces, edges and corners, as contact asks for them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Position of an object from several touches of it: bounded least squares for their measurements."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Rigid objects that a plate may touch, each moved by a distance d along a direction away from the finger."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar

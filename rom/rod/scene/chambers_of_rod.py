@@ -1,7 +1,5 @@
 """The chambers of a rod's scene: read, and compared with those of its elements."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

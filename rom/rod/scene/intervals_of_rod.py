@@ -1,7 +1,5 @@
 """Materials along parts of the axis: whole sections of another modulus, whose elements are scaled to it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Materials of a rod's scene: comparison of laws with those of the elements, and mass of a composite section."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ By similarity, a finger `size` times as large of rubber `modulus` times as stiff
 modulus * size^2 times as large, at equal ratios of all lengths and of all moduli: exactly.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The section of a rod's scene: its table, and its size over that of the elements' section."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The calibration that a finger carries, as plain data, in tables for people."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """The page in a browser: Chromium without a window moves its sliders, and its numbers are Python's."""
 
-from __future__ import annotations
-
 import base64
 import re
 import shutil

@@ -1,7 +1,5 @@
 """`python3 -m control export` writes a page or a controller's FMU, by the ending, and refuses the rest in one line."""
 
-from __future__ import annotations
-
 import zipfile
 
 import pytest

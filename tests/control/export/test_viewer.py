@@ -1,7 +1,5 @@
 """Pages without a browser: the one without a model is made from today's sources, and C answers as Python does."""
 
-from __future__ import annotations
-
 import re
 import runpy
 from pathlib import Path

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from assembled import in_series
 
-import rom
 from control.feel import KnownObjects, Noise, UnknownForce
 from rom import AmongObjects, Rod
 from rom.rod.compiled.reports import shortenings_by_force
@@ -17,11 +16,6 @@ NOISE = Noise(shortening=2e-5, tension=0.02, share=0.005)
 QUIET = Noise(shortening=1e-8, tension=1e-6)
 STATES = [([40.0, 5.0], 0.012), ([70.0, 20.0], 0.015), ([25.0, 0.0], 0.006)]  # tensions [N], d [m]
 ALONE = {"force_z": (0.0, 0.0)}
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 def shorter(rod: Rod, tensions: list[float], position: float, force: list[float]) -> np.ndarray:

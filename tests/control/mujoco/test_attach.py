@@ -30,11 +30,6 @@ ARM = """
 """
 
 
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
-
-
 def hand(compiler=""):
     return mujoco.MjSpec.from_string(HAND.format(compiler=compiler))
 

@@ -21,11 +21,6 @@ CIRCLE = 0.008 / np.sqrt(np.cos(np.pi / 48)) * np.column_stack([np.cos(AROUND), 
 PRISM = np.concatenate([np.column_stack([CIRCLE, np.full(48, z)]) for z in (-0.006, 0.006)])
 
 
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
-
-
 def pressed(rod, geom, options="", tension=TENSION, friction=0.0):
     """A simulation at rest, and the force on a finger along y [N]."""
     vertices = " ".join(f"{x:.9g}" for x in PRISM.ravel())

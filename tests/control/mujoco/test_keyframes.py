@@ -7,7 +7,6 @@ from assembled import in_series
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach, attach_gripper  # noqa: E402
-from rom import TouchedSegment  # noqa: E402
 
 SCENE = """
 <mujoco>
@@ -28,11 +27,6 @@ SCENE = """
 """
 EXPECTED = {"first": [0.1], "ball": [0.6, 0.8, 0, 0], "slide": [0.2], "cup": [1, 2, 3, 1, 0, 0, 0]}
 VELOCITIES = {"first": [1], "ball": [2, 3, 4], "slide": [5], "cup": [6, 7, 8, 9, 10, 11]}
-
-
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
 
 
 def assert_home(simulation):

@@ -10,12 +10,6 @@ pytest.importorskip("mujoco")
 from control import Gripper
 from control.mujoco.layouts import FINGERS, HEIGHTS, LOWEST, best_layout
 from control.mujoco.solids import random_solid
-from rom import TouchedSegment
-
-
-@pytest.fixture(scope="module")
-def model():
-    return TouchedSegment.load()
 
 
 @pytest.mark.parametrize("shape", ["box", "cone"])

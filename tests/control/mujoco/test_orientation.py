@@ -7,7 +7,6 @@ from scipy.spatial.transform import Rotation
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach  # noqa: E402
-from rom import TouchedSegment  # noqa: E402
 
 GRAVITY = 3.0, -5.0, -8.0  # in the base's axes [m/s^2]
 SCENE = """
@@ -21,11 +20,6 @@ OBJECTS = {
     "box": ('type="box" size="0.02 0.01 0.02"', (0.046, 0.023, 0.001)),
     "nothing near": ('type="sphere" size="0.001"', (0.0, 0.5, 0.0)),
 }
-
-
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
 
 
 def pressed(rod, base: Rotation, shape: str, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

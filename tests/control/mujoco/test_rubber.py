@@ -7,16 +7,10 @@ from scipy.spatial.transform import Rotation
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach  # noqa: E402
-from rom import TouchedSegment  # noqa: E402
 
 EMPTY = '<mujoco><option timestep="0.001" gravity="0 0 0"/><worldbody><body name="palm"/></worldbody></mujoco>'
 TENSIONS = np.array([25.0, 10.0])
 STEP = 1e-3  # [s]
-
-
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
 
 
 @pytest.fixture

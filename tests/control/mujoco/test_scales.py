@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco import Simulation, attach  # noqa: E402
-from rom import TouchedSegment  # noqa: E402
 
 WALL = 0.010  # [m], from the finger
 TENSIONS = np.array([30.0, 5.0])
@@ -24,11 +23,6 @@ SCENE = """
   </worldbody>
 </mujoco>
 """
-
-
-@pytest.fixture(scope="module")
-def model():
-    return TouchedSegment.load()
 
 
 @pytest.fixture(scope="module")

@@ -30,11 +30,6 @@ SCENE = """
 
 
 @pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
-
-
-@pytest.fixture(scope="module")
 def silicone(rod):
     """A finger of 20 x 20 x 100 mm with a plate of 2 mm."""
     return scaled(rod, 2.0, YOUNG / BUNDLED)
@@ -185,6 +180,33 @@ def test_a_finger_that_falls_freely_with_a_light_palm_does_not_bend(rod):
     simulation.data.qvel[6:] = 0.0
     simulation.advance(1.05)
     np.testing.assert_allclose(places(simulation), both.place([20.0, 8.0]).centres, atol=1e-6)
+
+
+def momentum(simulation):
+    """Linear momentum [kg m/s], and angular momentum about the centre of mass [kg m^2/s]."""
+    model, data = simulation.model, simulation.data
+    mujoco.mj_subtreeVel(model, data)
+    return model.body_subtreemass[1] * data.subtree_linvel[1], data.subtree_angmom[1].copy()
+
+
+def test_a_finger_that_floats_freely_keeps_its_momentum_to_the_order_of_the_step(rod):
+    """Rubber and tendons act between bodies alone. Tensions jump, so that sections vibrate."""
+    errors = []
+    for timestep in 1e-3, 5e-4:
+        simulation = simulation_of(in_series(rod, 2), joints="<freejoint/>", mass=1e-3, relaxation=0.005)
+        simulation.model.opt.timestep = timestep
+        simulation.data.qvel[:6] = 0.1, 0.2, -0.1, 3.0, -2.0, 1.0
+        mujoco.mj_forward(simulation.model, simulation.data)
+        begun = momentum(simulation)
+        simulation.pull(0, [20.0, 8.0])
+        reached = []
+        for _ in range(round(0.2 / timestep)):
+            simulation.step()
+            reached.append(momentum(simulation))
+        changes = np.abs(np.array(reached) - begun).max(axis=(0, 2))
+        errors.append(changes / np.linalg.norm(begun, axis=1))
+    assert (errors[1] < [0.005, 0.02]).all()
+    np.testing.assert_allclose(errors[1] / errors[0], 0.5, atol=0.02)
 
 
 def test_a_base_that_goes_round_presses_outwards(rod):

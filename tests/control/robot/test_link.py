@@ -5,18 +5,12 @@ import socket
 import numpy as np
 import pytest
 
-import rom
 from control.robot import Link, Losses, SimulatedMotors
 from control.robot.messages import Command, Reading, command_of, packed_command, packed_reading, reading_of
 
 DISTANCE = 0.012  # [m]
 WAIT = 5.0  # for a datagram that is on its way [s]
 PULLED = [40.0, 5.0]  # [N]
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 @pytest.fixture

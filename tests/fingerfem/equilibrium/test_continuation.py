@@ -9,7 +9,6 @@ from fingerfem import FingerModel, LoadNotReached
 from fingerfem.equilibrium.continuation import Continuation, StepOptions
 from fingerfem.equilibrium.failures import NotConverged
 from fingerfem.equilibrium.newton import Newton, NewtonOptions
-from fingerfem.scene.laws import neo_hookean_from
 from fingerfem.scene.scene import Scene
 
 LOADS = [([50.0, 0.0], 0.005), ([60.0, 40.0], 0.010), ([100.0, 30.0], 0.020)]
@@ -58,18 +57,6 @@ def test_residual_is_the_derivative_of_the_energy_and_the_tangent_that_of_the_re
     assert r1 / r2 == pytest.approx(4.0, rel=0.05)
 
 
-@pytest.mark.parametrize("load", LOADS, ids=str)
-def test_the_clamps_reaction_is_the_contact_force(states, load):
-    state = states[tuple(load[0]), load[1]]
-    assert state.contact_force > 0.1
-    assert state.clamp_reaction == pytest.approx([0.0, state.contact_force, 0.0], abs=1e-7)
-
-
-def test_in_free_space_the_clamp_feels_nothing(draft):
-    state = draft.solve([80.0, 50.0], sensitivities=False)
-    assert np.abs(state.clamp_reaction).max() < 1e-9
-
-
 @pytest.mark.parametrize("load", [LOADS[0], *(pytest.param(one, marks=pytest.mark.long) for one in LOADS[1:])], ids=str)
 def test_forces_and_shortenings_are_derivatives_of_the_potential(draft, states, load):
     (tensions, d), state = load, states[tuple(load[0]), load[1]]
@@ -108,15 +95,6 @@ def test_sensitivities_are_reciprocal(states):
         assert shortening["d"][name] == pytest.approx(force[name], rel=1e-6)
 
 
-def test_two_paths_to_the_same_load_end_in_the_same_state(draft):
-    straight = draft.solve([60.0, 40.0], 0.010, sensitivities=False)
-    draft.continuation.rest()
-    draft.continuation.advance([0.0, 40.0], None)
-    draft.continuation.advance([30.0, 40.0], 0.006)
-    draft.continuation.advance([60.0, 40.0], 0.010)
-    assert np.abs(draft.problem.displacement - straight.displacement).max() < 1e-8 * 0.05
-
-
 def test_all_newton_strategies_find_the_same_state_and_the_mixed_one_sooner(draft):
     counts, found = {}, {}
     for strategy in ("mixed", "plain", "line search"):
@@ -137,12 +115,6 @@ def test_touch_begins_exactly_at_the_touch_distance(draft):
     assert 0.0 < just < 0.01
 
 
-@pytest.mark.parametrize("load", LOADS, ids=str)
-def test_nothing_passes_the_plane_by_more_than_a_ten_thousandth_of_the_side(draft, load):
-    draft.solve(*load, sensitivities=False)
-    assert draft.problem.reach() - load[1] < 1e-4 * 0.010
-
-
 def test_a_small_pull_bends_the_finger_as_beam_theory_says(table):
     """w = F e L^2 / 2EI to first order in F, on quadratic cells; the rubber is 49 mm long, the tip is seen at 49.5 mm.
 
@@ -154,12 +126,6 @@ def test_a_small_pull_bends_the_finger_as_beam_theory_says(table):
     F, e, L, EI = 0.1, 0.004, 0.049, model.problem.law.young_modulus * 0.010**4 / 12
     w = F * e / EI * (L**2 / 2 + L * 0.0005)
     assert model.solve([F, 0.0], sensitivities=False).tip[1] == pytest.approx(w, rel=0.02)
-
-
-def test_mirrored_pulls_give_mirrored_states(draft):
-    along_y = draft.solve([70.0, 30.0], sensitivities=False)
-    along_z = draft.solve([30.0, 70.0], sensitivities=False)
-    assert along_z.tip == pytest.approx(along_y.tip[[0, 2, 1]], abs=1e-10)
 
 
 def test_a_load_that_is_not_reached_raises_with_the_last_good_load(draft):
@@ -208,16 +174,18 @@ def test_a_singular_tangent_is_refused_when_it_is_factorised(draft, monkeypatch)
     assert newton.linearise().negative_pivots == 0
 
 
-def test_a_linearisation_is_refused_once_another_tangent_is_factorised(draft):
-    """Its factors are then those of the other."""
-    draft.continuation.rest()
-    stale = draft.continuation.linearise()
-    before = stale.solve(draft.problem.load_gradient([1.0, 0.0]))
-    draft.continuation.advance([5.0, 0.0], None)
-    with pytest.raises(RuntimeError, match="before the next tangent is factorised"):
-        stale.solve(draft.problem.load_gradient([1.0, 0.0]))
-    after = draft.continuation.linearise().solve(draft.problem.load_gradient([1.0, 0.0]))
-    assert np.abs(after - before).max() > 1e-3 * np.abs(before).max()
+def test_a_displacement_near_an_equilibrium_settles_there_and_another_is_given_up_after_one_attempt(draft):
+    state = draft.solve([50.0, 20.0], sensitivities=False)
+    continuation, most = draft.continuation, draft.continuation.newton.options.iterations
+    continuation.start([50.0, 20.0], None, 1.001 * state.displacement)
+    continuation.settle()
+    assert np.abs(draft.problem.displacement - state.displacement).max() < 1e-8
+    assert 0 < continuation.iterations <= most and not continuation.wasted
+    continuation.start([50.0, 20.0], None, 10 * state.displacement)
+    with pytest.raises(NotConverged) as failure:
+        continuation.settle()
+    assert failure.value.iterations == continuation.wasted <= 2 * most
+    assert np.array_equal(draft.problem.displacement, 10 * state.displacement)
 
 
 def test_a_nan_never_leaves_as_a_result(draft):
@@ -262,24 +230,6 @@ def test_rest_to_the_strongest_pull_takes_at_most_22_factorisations(draft):
     draft.continuation.rest()
     draft.continuation.advance([100.0, 0.0], None)
     assert draft.continuation.newton.factorisations - before <= 22
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("modulus", [1e3, 1e5])
-def test_soft_rubber_pulled_less_bends_as_stiff_rubber_pulled_more(table, modulus):
-    """Everything but the plates scales with the rubber's modulus, and they are rigid to a millionth."""
-    tips, forces = [], []
-    for young in (modulus, 1e7):
-        law = neo_hookean_from(young, 0.3)
-        scene = table | {
-            "material": {"law": "neo-hookean", "C1": law.C1, "D1": law.D1},
-            "tendons": table["tendons"][:1],
-        }
-        state = FingerModel(Scene.model_validate(scene)).solve([50.0 * young / 1e7], 0.010, sensitivities=False)
-        tips.append(state.tip)
-        forces.append(state.contact_force / young)
-    assert tips[0] == pytest.approx(tips[1], rel=1e-3, abs=1e-9)
-    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
 
 
 def test_the_rest_of_a_path_may_be_shorter_than_the_shortest_step_of_a_bisection(draft):

@@ -1,7 +1,5 @@
 """Factors of matrices that are not definite, and Ctrl-C while PETSc finds out."""
 
-from __future__ import annotations
-
 import signal
 
 import numpy as np

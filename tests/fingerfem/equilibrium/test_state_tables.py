@@ -1,7 +1,5 @@
 """States of the full-order model as tables: named, with units, in a notebook too."""
 
-from __future__ import annotations
-
 import pytest
 
 from fingerfem import FingerModel, load_scene

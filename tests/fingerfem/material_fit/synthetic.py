@@ -1,7 +1,5 @@
 """Tests of rubbers whose laws are known."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

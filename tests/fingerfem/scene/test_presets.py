@@ -37,17 +37,6 @@ def share(value: float) -> str:
     return f"{100 * value:.12f} %"
 
 
-@pytest.mark.parametrize("k", range(len(ERRORS)))
-def test_an_accuracy_takes_the_cheapest_that_keeps_it(pressed, k):
-    scene = Scene.model_validate(pressed | {"accuracy": share(ERRORS[k] * 1.000001)})
-    kept = [one for one in front() if one["contact_force"] <= ERRORS[k] * 1.000001]
-    best = min(kept, key=lambda one: one["core_seconds"])
-    assert scene.mesh.cells == best["cells"] and scene.mesh.order == best["order"]
-    assert scene.sampling.lines == 2 * best["lines"]
-    assert scene.expected.error == best["contact_force"] <= ERRORS[k] * 1.000001
-    assert scene.expected.core_seconds == pytest.approx(best["core_seconds"])
-
-
 @pytest.mark.parametrize("k", range(len(COSTS)))
 def test_a_budget_takes_the_most_accurate_that_keeps_it(pressed, k):
     scene = Scene.model_validate(pressed | {"budget": f"{COSTS[k] * 1.000001:.6f}s"})

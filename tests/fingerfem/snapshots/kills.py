@@ -3,8 +3,6 @@
 python3 kills.py SET/ FOLDER/, with hostile.so preloaded. Prints the number of kills by what was written, as JSON.
 """
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os

@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from farm import PATIENCE, ROOT, assert_same, command, run
+from terminal import ran
 
 from fingerfem.snapshots import ledger
 from fingerfem.snapshots.claims import ClaimFiles, Locks, why_no_locks
-from rom.dataset.snapshot_set import read_description, read_task, task_file
+from rom.dataset.snapshot_set import read_task, task_file
 
 
 def begun(line: list[str], folder: Path, files: int, **settings) -> subprocess.Popen:
@@ -34,17 +35,6 @@ def only_line(said: str, name: str) -> str:
     assert "Traceback" not in said
     (line,) = [line for line in said.splitlines() if name in line]
     return line
-
-
-@pytest.mark.long
-def test_a_job_that_is_killed_leaves_a_set_that_the_next_completes(scene, undisturbed, tmp_path):
-    job = begun(command(2, scene, tmp_path / "set"), tmp_path / "set", 3)
-    os.killpg(job.pid, signal.SIGKILL)
-    job.communicate()
-    assert len(list((tmp_path / "set" / "tasks").glob("*.npz"))) < len(read_description(undisturbed).tasks)
-    run(2, scene, tmp_path / "set")
-    assert_same(tmp_path / "set", undisturbed)
-    assert not list((tmp_path / "set" / "attempts").iterdir())
 
 
 @pytest.mark.long
@@ -148,11 +138,9 @@ def test_three_deaths_at_one_line_quarantine_it_and_what_needs_it_and_retry_solv
     assert "free-0 has no answer at these tensions" in done.stderr
     assert not read_task(folder, "free-0")["converged"].any()
     assert np.isnan(read_task(folder, "free-0")["tip"]).all()
-    said = subprocess.run(
-        [sys.executable, "-m", "fingerfem", "status", str(folder)], cwd=ROOT, capture_output=True, text=True
-    )
-    assert "quarantined              4" in said.stdout and "failed                   16" in said.stdout
-    subprocess.run([sys.executable, "-m", "fingerfem", "retry", str(folder)], cwd=ROOT, check=True)
+    said = ran("fingerfem", "status", folder).stdout
+    assert "quarantined              4" in said and "failed                   16" in said
+    assert ran("fingerfem", "retry", folder).returncode == 0
     run(1, scene, folder)
     assert_same(folder, undisturbed)
 

@@ -1,13 +1,12 @@
 """A finger with two pairs of tendons keeps what the preset promises, and its model holds a force."""
 
 import json
-import subprocess
-import sys
 import tomllib
 
 import numpy as np
 import pytest
 from farm import ROOT, run
+from terminal import ran
 
 from control import Finger
 from fingerfem import load_scene
@@ -45,8 +44,7 @@ def sets(scene, tmp_path_factory):
 @pytest.fixture(scope="module")
 def model(sets):
     """The file of the finger."""
-    words = ["rom", "build", str(sets / "fine"), "-o", str(sets / "model.h5")]
-    made = subprocess.run([sys.executable, "-m", *words, "--json"], cwd=ROOT, capture_output=True, text=True)
+    made = ran("rom", "build", sets / "fine", "-o", sets / "model.h5", "--json")
     assert made.returncode == 0 and json.loads(made.stdout), made.stderr
     return sets / "model.h5"
 

@@ -5,13 +5,13 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from farm import PATIENCE, ROOT, assert_same_task, command, run
+from terminal import ran
 
 from rom.dataset.plan import Plan
 from rom.dataset.snapshot_set import SnapshotSet, read_description, read_task, write_task
@@ -50,8 +50,7 @@ def test_lines_are_added_in_their_order_until_the_expected_error_is_small_enough
 def test_what_is_expected_covers_what_held_out_states_find(scene, grown, tmp_path):
     run(2, scene, tmp_path / "held-out", "--random", "80", "--seed", "3", "--near", str(grown))
     expected = Plan(grown, read_description(grown)).rounds[-1].error
-    words = ["build", str(grown), "-o", str(tmp_path / "finger.h5"), "--json"]
-    done = subprocess.run([sys.executable, "-m", "rom", *words], cwd=ROOT, capture_output=True, text=True)
+    done = ran("rom", "build", grown, "-o", tmp_path / "finger.h5", "--json")
     assert done.returncode == 0, done.stderr
     finger = Rod.load(tmp_path / "finger.h5")
     found = check_pressed(finger, SnapshotSet(tmp_path / "held-out"))["contact_force"]["p95"]
@@ -128,12 +127,7 @@ def test_a_budget_ends_a_run_and_another_goes_on(scene, grown, tmp_path):
     ("name", "options", "words"),
     [
         ("pressed", ("--budget", "soon"), "budget must be a time such as 90s, 30min or 2h, got 'soon'"),
-        ("pressed", ("--budget", "0s"), "budget must be a time such as 90s, 30min or 2h, got '0s'"),
-        ("pressed", ("--until", "0"), 'until must be a share such as "1 %", above 0 and below 100 %, got 0'),
-        ("pressed", ("--until", "nan"), 'until must be a share such as "1 %", above 0 and below 100 %, got nan'),
-        ("pressed", ("--until", "0.1", "--random", "3"), "random or points must not be given with until, budget or"),
         ("draft", ("--until", "1 %"), "until must be left out for a scene without a load, got 0.01"),
-        ("free", ("--budget", "2min"), "budget must be left out for a scene without a load, got 120"),
     ],
 )
 def test_goals_that_make_no_sense_are_refused_in_one_line(name, options, words, tmp_path):
@@ -181,7 +175,7 @@ def test_a_retry_plans_the_last_round_again(scene, grown, tmp_path):
     shutil.copytree(grown, folder)
     plan = Plan(folder, read_description(folder))
     _fail(folder, next(iter(plan.rounds[0].lines)))
-    subprocess.run([sys.executable, "-m", "fingerfem", "retry", str(folder)], cwd=ROOT, check=True)
+    assert ran("fingerfem", "retry", folder).returncode == 0
     assert len(Plan(folder, read_description(folder)).rounds) == len(plan.rounds) - 1
     run(1, scene, folder, "--until", UNTIL)
     assert_same_rounds(folder, grown)

@@ -1,20 +1,21 @@
 """Sets of pressed states: what is drawn, the same numbers whoever solves them, and the finger that comes of it."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from farm import ROOT, assert_same, run
+from farm import ROOT, run
+from terminal import ran
 
 from fingerfem import FingerModel, load_scene
 from fingerfem.scene.scene import SceneError
 from fingerfem.snapshots import wrenches
 from fingerfem.snapshots.design import HeldOut, describe
+from fingerfem.snapshots.lines.solver import LineSolver
 from rom import Rod, TouchedSegment
-from rom.dataset.snapshot_set import SnapshotSet, read_task, task_file
+from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.samples.section_states import read_section_states
 from rom.rod.objects.shapes import facing_plane
 
@@ -57,6 +58,18 @@ def test_wrenches_are_forces_on_the_plate_s_surface(pressed_scene):
     assert (np.linalg.norm(arm, axis=1) <= np.linalg.norm(half) * (1 + 1e-9)).all()
 
 
+def test_held_out_states_of_a_line_begin_at_its_free_state_and_are_those_from_rest(pressed_scene, tmp_path):
+    scene, tensions = load_scene(pressed_scene), [70.0, 20.0]
+    presses = np.array([[0.0] * 6, [0.0, -2.0, 0.5, 0.0, 0.0, 0.0]])
+    points = [[*tensions, *wrench] for wrench in presses]
+    description = describe(scene, {}, SimpleNamespace(points=lambda scene, box: points))
+    model = FingerModel(scene)
+    line = LineSolver(description, model, tmp_path).solve("random-0")
+    solved = model.solve(tensions, wrenches=presses[1:], sensitivities=False)
+    assert line["converged"].all() and np.abs(line["tip"][1] - solved.tip).max() < 1e-8
+    assert line["iterations"][1] < 0.6 * solved.newton_iterations
+
+
 def test_a_set_holds_free_states_and_pressed_ones_with_exact_derivatives(pressed_scene, pressed_set):
     snapshots = SnapshotSet(pressed_set)
     states = read_section_states(snapshots)
@@ -96,25 +109,11 @@ def test_tendons_shorten_by_a_wrench_as_the_plate_moves_by_their_tensions(presse
 
 
 @pytest.mark.long
-def test_one_rank_solves_the_same_numbers(pressed_scene, pressed_set, tmp_path):
-    run(1, pressed_scene, tmp_path / "set")
-    assert_same(tmp_path / "set", pressed_set)
-
-
-@pytest.mark.long
-def test_a_line_that_is_lost_is_solved_again_and_is_the_same(pressed_scene, pressed_set, tmp_path):
-    before = read_task(pressed_set, "pressed-13")
-    task_file(pressed_set, "pressed-13").unlink()
-    assert run(1, pressed_scene, pressed_set)["this_rank"]["lines"] == 1
-    assert np.array_equal(read_task(pressed_set, "pressed-13")["clamp_place"], before["clamp_place"])
-
-
-@pytest.mark.long
 def test_held_out_states_measure_the_finger_that_is_built(pressed_scene, pressed_set, tmp_path):
     run(2, pressed_scene, tmp_path / "held-out", "--random", "8", "--seed", "3")
 
     def rom(*words: str) -> dict:
-        done = subprocess.run([sys.executable, "-m", "rom", *words, "--json"], cwd=ROOT, capture_output=True, text=True)
+        done = ran("rom", *words, "--json")
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
 

@@ -114,21 +114,6 @@ def test_distances_without_held_out_points_or_without_a_plane_are_refused(scene,
 
 
 @pytest.mark.long
-def test_another_scene_or_a_foreign_folder_is_refused_in_one_line(scene, undisturbed, tmp_path):
-    other = tmp_path / "other.toml"
-    other.write_text(scene.read_text().replace("C1 = 1.9e6", "C1 = 2.0e6"))
-    foreign = tmp_path / "foreign"
-    foreign.mkdir()
-    (foreign / "thesis.tex").write_text("dear diary")
-    for file, folder in ((other, undisturbed), (scene, foreign)):
-        done = subprocess.run(command(2, file, folder), cwd=ROOT, capture_output=True, text=True)
-        assert done.returncode == 2
-        said = [line for line in done.stderr.splitlines() if str(folder) in line]
-        assert len(said) == 1 and "Traceback" not in done.stderr
-    assert [file.name for file in foreign.iterdir()] == ["thesis.tex"]
-
-
-@pytest.mark.long
 def test_two_jobs_that_begin_different_sets_in_one_folder_do_not_mix(scene, tmp_path):
     folder = tmp_path / "contested"
     jobs = [
@@ -191,27 +176,7 @@ def test_stored_derivatives_are_differences_of_states(scene, undisturbed):
 
 
 @pytest.mark.long
-def test_only_what_a_scene_asks_for_is_stored(scene, undisturbed, tmp_path):
-    frugal = tmp_path / "frugal.toml"
-    frugal.write_text(scene.read_text() + 'store = ["pad_pressure"]\n')
-    report = run(2, frugal, tmp_path / "set")
-    assert report["failed"] == 0 and report["bytes_per_state"] < 3500
-    line, whole = read_task(tmp_path / "set", "contact-2-3"), read_task(undisturbed, "contact-2-3")
-    assert whole.keys() - line.keys() == {"displacement", "displacement_jacobian"}
-    assert line.keys() - whole.keys() == {"pad_pressure", "pad_pressure_jacobian"}
-    assert line["contact_force"] == pytest.approx(whole["contact_force"], rel=1e-8)
-    assert line["pad_pressure"][-1] > 0
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(("states", "ranks"), [(7, 3), (1, 4)])
 def test_ranks_that_share_few_or_uneven_states_end_with_all_of_them(scene, tmp_path, states, ranks):
     report = run(ranks, scene, tmp_path / "held", "--random", str(states), "--seed", "1")
     assert report["ranks"] == ranks and report["failed"] == 0 and SnapshotSet(tmp_path / "held").states == states
-
-
-@pytest.mark.long
-def test_ranks_that_find_no_state_left_end_without_solving_one(scene, tmp_path):
-    for lines in (1, 0):
-        report = run(2, scene, tmp_path / "held", "--random", "1")
-        assert report["states"] == 1 and report["this_rank"]["lines"] <= lines

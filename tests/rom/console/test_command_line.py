@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 import typer
 
-from rom.console.command_line import application, check_folder, check_parts, run, show
+from rom.console.command_line import application, check_parts, run
+from rom.console.table import show
+from rom.files.atomic_file import check_folder
 
 NAN, INF = float("nan"), float("inf")
 

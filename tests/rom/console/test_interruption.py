@@ -1,7 +1,5 @@
 """Ctrl-C, wherever it comes."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Without a package, every command works or names it and its source, in one line."""
 
-from __future__ import annotations
-
 import pytest
 from plain_environment import OPTIONAL, commands, run_without
 

@@ -1,7 +1,5 @@
 """Commands print what fits the encoding of their output, and messages name the files that were asked for."""
 
-from __future__ import annotations
-
 import os
 import resource
 import subprocess

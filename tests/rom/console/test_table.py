@@ -1,7 +1,5 @@
 """Tables for people: in a pipe, in a notebook, on a narrow terminal."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

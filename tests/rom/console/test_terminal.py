@@ -1,10 +1,9 @@
 """rom as a person at a terminal sees it: 80 columns, bars, sentences, Ctrl-C."""
 
-import subprocess
 import sys
 
 import pytest
-from terminal import ROOT, shown
+from terminal import ran, shown
 
 ROM = [sys.executable, "-m", "rom"]
 NOTHING = "stopped by Ctrl-C; nothing was written, the same command begins again"
@@ -29,8 +28,7 @@ def test_check_shows_a_bar_with_colours_unless_these_are_not_wanted(grid_file, t
 
 
 def test_in_a_pipe_there_are_no_bars_and_no_control_sequences(grid_file, trained):
-    command = [*ROM, "check", str(grid_file), str(trained / "heldout")]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    done = ran("rom", "check", grid_file, trained / "heldout")
     assert done.returncode == 0 and "\x1b" not in done.stdout + done.stderr and "━" not in done.stderr
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rom.dataset.mesh_transfer import interpolation
+from rom.dataset.snapshot_set import SnapshotError
 
 
 def nodes(across: int, off: float) -> np.ndarray:
@@ -20,3 +21,12 @@ def test_a_linear_field_is_brought_exactly_though_nodes_are_off_their_lines(off)
     field = (coarse @ np.array([[1.0, 0.5, 0.0], [2.0, 0.0, 1.0], [-3.0, 1.0, 1.0]])).reshape(-1, 1)
     wanted = (fine @ np.array([[1.0, 0.5, 0.0], [2.0, 0.0, 1.0], [-3.0, 1.0, 1.0]])).reshape(-1, 1)
     assert np.abs(interpolation(coarse, fine)(field) - wanted).max() < 1e-13
+
+
+def test_columns_are_brought_together_and_planes_must_have_as_many_nodes():
+    coarse, fine = nodes(6, 0.0), nodes(9, 0.0)
+    shuffled = coarse[np.random.default_rng(0).permutation(len(coarse))]
+    columns = np.column_stack([shuffled.ravel(), 2 * shuffled.ravel()])
+    assert interpolation(shuffled, fine)(columns) == pytest.approx(np.outer(fine.ravel(), [1, 2]), abs=1e-12)
+    with pytest.raises(SnapshotError, match="must be as many on all planes"):
+        interpolation(coarse[1:], fine)

@@ -31,6 +31,13 @@ def of(kind: str):
     return ELEMENTS.laws[kind]
 
 
+def coefficients(polynomial, value: float):
+    """A polynomial with another first coefficient."""
+    values = polynomial.coefficients.copy()
+    values[0, 0] = value
+    return replace(polynomial, coefficients=values)
+
+
 def without_constant():
     """An outline whose products all change with loads."""
     own = ELEMENTS.outlines["interior"].polynomial
@@ -54,6 +61,10 @@ BROKEN = {
     "powers of plate must have shape": lambda: polynomial("plate", powers=of("plate").polynomial.powers[:, 1:]),
     "powers of plate must be at least 0": lambda: polynomial("plate", powers=-of("plate").polynomial.powers),
     "coefficients of interior must have shape": lambda: polynomial("interior", coefficients=np.zeros((1, 1))),
+    "coefficients of clamp must be finite": lambda: law("clamp", polynomial=coefficients(of("clamp").polynomial, NAN)),
+    "coefficients of variants of plate must be finite": lambda: law(
+        "plate", deviations=coefficients(of("plate").deviations, INF)
+    ),
     "half of outline of plate must be finite and above 0 m": lambda: outline("plate", half=np.zeros(2)),
     "half of outline of plate must be the section's": lambda: outline("plate", half=np.array([0.005, 0.004])),
     "error of outline of clamp must be finite and at least 0 m": lambda: outline("clamp", error=-1e-9),

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from rom.elements.polynomial import Polynomial
-from rom.elements.rotation_vectors import matrices as rotations
 from tests.rom.elements import laws
 
 
@@ -105,9 +104,3 @@ def test_each_element_is_inside_where_its_own_wrench_is():
 def test_a_force_larger_than_any_that_was_trained_is_outside_though_its_components_are_not():
     wrench = 0.9 * laws.MOST_FORCE * np.array([[1.0, 1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
     assert laws.marched([laws.law(2, 0)], np.zeros((2, 2)), wrench).inside.tolist() == [[False], [True]]
-
-
-def test_gibbs_vectors_are_turns_by_twice_the_angle_of_their_tangent():
-    quarter = rotations(np.array([[0.0, 0.0, np.tan(np.pi / 8)]]))[0]
-    half = np.sqrt(0.5)
-    assert quarter == pytest.approx(np.array([[half, -half, 0], [half, half, 0], [0, 0, 1]]), abs=1e-15)

@@ -1,7 +1,5 @@
 """C files as one text: names of files' own do not clash, and what nothing needs is left out."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

@@ -3,17 +3,14 @@
 import ctypes
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from sampled import tabled
+from terminal import ran
 
-from rom.export.c_header import export, header
-from rom.files.checked_file import ModelError
+from rom.export.c_header import export
 
-ROOT = Path(__file__).resolve().parents[3]
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 PROGRAM = '#include "finger.h"\nint answer(const double *p, double *o, double *j) { return finger_answer(p, o, j); }\n'
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -68,16 +65,10 @@ def test_values_and_gradients_are_python_s_to_round_off(marked, compiled):
 
 @needs_compiler
 def test_the_command_writes_a_header_that_says_what_it_is(table_file, tmp_path):
-    command = [sys.executable, "-m", "rom", "export", str(table_file), str(tmp_path / "thumb.h")]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    done = ran("rom", "export", table_file, tmp_path / "thumb.h")
     assert done.returncode == 0, done.stderr
     text = (tmp_path / "thumb.h").read_text()
     assert "int thumb_answer(const double point[thumb_PARAMETERS]" in text and "F1 [N] from 0 to 100" in text
     assert not any(word in text for word in ("malloc", "calloc", "#include <stdlib.h>"))
-    refused = subprocess.run([*command[:-1], str(tmp_path / "2.h")], cwd=ROOT, capture_output=True, text=True)
+    refused = ran("rom", "export", table_file, tmp_path / "2.h")
     assert refused.returncode == 2 and "C identifier" in refused.stderr
-
-
-def test_a_name_that_c_does_not_have_is_refused(marked):
-    with pytest.raises(ModelError, match="C identifier"):
-        header(marked, "my finger")

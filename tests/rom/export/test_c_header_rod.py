@@ -1,7 +1,5 @@
 """The C header of a finger of rod elements: compiled without a warning, it answers as Python in the caller's memory."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 import shutil
@@ -90,11 +88,6 @@ def run(program: Path) -> list[float]:
     done = subprocess.run([program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return [float(word) for word in done.stdout.split()]
-
-
-@pytest.fixture(scope="module")
-def model():
-    return TouchedSegment.load()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """The programs of docs/howto/export.md compile without a warning, and answer as Python does."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 import shutil
@@ -17,11 +15,6 @@ from rom.rod.touched_segment import TouchedSegment
 
 PAGE = (Path(__file__).resolve().parents[3] / "docs" / "howto" / "export.md").read_text()
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a compiler of C")
-
-
-@pytest.fixture(scope="module")
-def model() -> TouchedSegment:
-    return TouchedSegment.load()
 
 
 @pytest.fixture(scope="module")

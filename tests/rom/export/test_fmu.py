@@ -1,7 +1,5 @@
 """FMUs: FMPy finds nothing to complain of, and what they answer is what Python answers."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -25,6 +23,7 @@ from fmpy.simulation import simulate_fmu  # noqa: E402
 from fmpy.validation import validate_fmu  # noqa: E402
 from fmus import BOTH, COMPILER, Driven, driven  # noqa: E402
 from sampled import some_points  # noqa: E402
+from terminal import ran  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
@@ -380,12 +379,8 @@ def test_what_cannot_be_written_is_refused_in_one_line(tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_the_command_writes_one_and_refuses_the_rest(table_file, tmp_path):
-    def run(*arguments: str) -> subprocess.CompletedProcess:
-        command = [sys.executable, "-m", "rom", "export", *arguments]
-        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-
     file = tmp_path / "finger.fmu"
-    done = run("rom/finger.h5", str(file), "--fmi", "2")
+    done = ran("rom", "export", "rom/finger.h5", str(file), "--fmi", "2")
     assert done.returncode == 0 and "FMI 2.0" in done.stderr + done.stdout
     assert fmpy.read_model_description(file).coSimulation.modelIdentifier == "finger"
     for arguments, said in (
@@ -393,5 +388,5 @@ def test_the_command_writes_one_and_refuses_the_rest(table_file, tmp_path):
         ([str(table_file), str(tmp_path / "finger.h"), "--fmi", "2"], ".fmu"),
         ([str(table_file), str(tmp_path / "nowhere" / "finger.fmu")], "folder"),
     ):
-        refused = run(*arguments)
+        refused = ran("rom", "export", *arguments)
         assert refused.returncode == 2 and said in refused.stderr and len(refused.stderr.splitlines()) == 1

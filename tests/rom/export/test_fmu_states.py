@@ -1,7 +1,5 @@
 """States of FMUs: they come back in any instance of the same FMU, and in no other; what is not declared is refused."""
 
-from __future__ import annotations
-
 import struct
 from ctypes import c_double, c_void_p, create_string_buffer
 

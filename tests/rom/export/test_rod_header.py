@@ -5,15 +5,9 @@ import re
 import numpy as np
 import pytest
 
-import rom
 from rom.export.rod_header import _about, _ends, _filled, _limited, _limits, _stack, rod_header
 from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 def test_the_example_s_point_is_in_contact_and_inside(model):

@@ -1,7 +1,5 @@
 """A command that is given a file of another kind names what takes that file; and what is named takes it."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

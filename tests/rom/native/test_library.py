@@ -1,7 +1,6 @@
 """Compiled code is built once, by any number of processes, and never older than its sources."""
 
 import os
-import pickle
 import re
 import subprocess
 import sys
@@ -125,10 +124,3 @@ def test_arrays_of_structs_begin_with_a_cache_line():
     """Vectors of as many bytes then lie in one line each."""
     found = LIBRARY.struct("fingerfem_tables", data=np.arange(3.0))
     assert int(LIBRARY.ffi.cast("uintptr_t", found.data)) % LINE == 0 and list(found.data[0:3]) == [0.0, 1.0, 2.0]
-
-
-def test_a_model_that_has_answered_can_be_pickled(table):
-    point = [50.0, 20.0, 0.01]
-    before = table.evaluate(point)
-    after = pickle.loads(pickle.dumps(table)).evaluate(point)
-    assert np.array_equal(after.tip, before.tip) and after.contact_force == before.contact_force

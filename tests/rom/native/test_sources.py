@@ -1,7 +1,5 @@
 """The C sources: without warnings; and includes run one way."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

@@ -3,8 +3,6 @@
 The half side and Young's modulus are 1. A second method for the springs of rubber contact.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu

@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rom import TouchedSegment
-from rom.rod.inverse_map import InverseMap
+from tests.rom.rod.inverse import inverse, spring
 
 
 @pytest.fixture(scope="module")
@@ -26,29 +26,24 @@ def random_inputs(segment, random, force):
 
 
 def test_it_finds_the_wrench_that_made_a_pose(segment):
-    random, inverse = np.random.default_rng(22), InverseMap(segment)
+    random = np.random.default_rng(22)
     for _ in range(200):
         inputs = random_inputs(segment, random, 2.0)
-        inverse.forget()
-        inverse.find(inputs[:2], *seen(segment.place(inputs)))
-        assert inverse.converged and inverse.inside
-        np.testing.assert_allclose(inverse.wrench, inputs[2:], atol=1e-7)
-
-
-def test_its_stiffness_is_that_of_the_segment(segment):
-    random, inverse = np.random.default_rng(23), InverseMap(segment)
-    inputs = random_inputs(segment, random, 2.0)
-    placed = segment.place(inputs)
-    inverse.find(inputs[:2], *seen(placed))
-    np.testing.assert_allclose(inverse.stiffness @ placed[2][:, 2:], np.eye(6), atol=1e-6)
+        placed = segment.place(inputs)
+        found = inverse(segment.struct, inputs[:2], *seen(placed))
+        assert found.evaluations > 0 and found.inside
+        np.testing.assert_allclose(found.wrench, inputs[2:], atol=1e-7)
+        np.testing.assert_allclose(found.stiffness @ placed[2][:, 2:], np.eye(6), atol=1e-4)
 
 
 def test_from_pose_to_pose_it_takes_few_evaluations(segment):
-    inverse, most = InverseMap(segment), 0
+    wrench, most = np.zeros(6), 0
     for share in np.linspace(0, 1, 50):
         inputs = np.array([40 * share, 10 * share, -share, -2 * share, 0.5 * share, 0, 0, 0])
-        most = max(most, inverse.find(inputs[:2], *seen(segment.place(inputs))))
-        np.testing.assert_allclose(inverse.wrench, inputs[2:], atol=1e-7)
+        found = inverse(segment.struct, inputs[:2], *seen(segment.place(inputs)), wrench)
+        wrench, most = found.wrench, max(most, found.evaluations)
+        assert found.evaluations > 0
+        np.testing.assert_allclose(wrench, inputs[2:], atol=1e-7)
     assert most <= 4
 
 
@@ -66,14 +61,14 @@ def as_spring(segment, rotation, wrench, stiffness):
 
 def test_as_a_spring_it_never_pushes_a_plate_away(segment):
     """Forces of 12 N along the finger would let it buckle."""
-    random, inverse, least = np.random.default_rng(25), InverseMap(segment), []
+    random, least = np.random.default_rng(25), []
     for _ in range(100):
         inputs = random_inputs(segment, random, 12.0)
         placed = segment.place(inputs)
-        inverse.forget()
-        inverse.find(inputs[:2], *seen(placed))
-        force, stiffness, lowest = as_spring(segment, placed[1], inverse.wrench, inverse.stiffness)
-        found = inverse.spring()
+        centre, quaternion = seen(placed)
+        own = inverse(segment.struct, inputs[:2], centre, quaternion)
+        force, stiffness, lowest = as_spring(segment, placed[1], own.wrench, own.stiffness)
+        found = spring(segment.struct, quaternion, own)
         np.testing.assert_allclose(found[0], force, atol=1e-9)
         np.testing.assert_allclose(found[1], stiffness, atol=1e-9 * np.abs(stiffness).max())
         least.append(lowest)
@@ -82,26 +77,26 @@ def test_as_a_spring_it_never_pushes_a_plate_away(segment):
 
 def test_a_spring_s_stiffness_is_the_change_of_its_force(segment):
     """Its symmetric part, turns counted as ways of the plate's corner."""
-    random, inverse, step = np.random.default_rng(26), InverseMap(segment), 1e-6
+    random, step, slopes = np.random.default_rng(26), 1e-6, np.zeros((6, 6))
     inputs, sizes = random_inputs(segment, random, 1.0), np.repeat([1.0, segment.half_lengths[1]], 3)
     centre, quaternion = seen(segment.place(inputs))
-    inverse.find(inputs[:2], centre, quaternion)
-    stiffness, slopes = inverse.spring()[1], np.zeros((6, 6))
+    own = inverse(segment.struct, inputs[:2], centre, quaternion)
     for k in range(6):
         for sign in (-1, 1):
             change = np.zeros(6)
             change[k] = sign * step / sizes[k]
             turned = Rotation.from_quat(quaternion[[1, 2, 3, 0]]) * Rotation.from_rotvec(change[3:])
-            inverse.find(inputs[:2], centre + change[:3], turned.as_quat()[[3, 0, 1, 2]])
-            slopes[:, k] += sign * inverse.spring()[0] / sizes / (2 * step)
-    expected = (slopes + slopes.T) / 2
+            there = turned.as_quat()[[3, 0, 1, 2]]
+            moved = inverse(segment.struct, inputs[:2], centre + change[:3], there, own.wrench)
+            slopes[:, k] += sign * spring(segment.struct, there, moved)[0] / sizes / (2 * step)
+    stiffness, expected = spring(segment.struct, quaternion, own)[1], (slopes + slopes.T) / 2
     np.testing.assert_allclose(stiffness / np.outer(sizes, sizes), expected, atol=1e-5 * np.abs(expected).max())
 
 
 def test_what_has_no_wrench_says_so_in_finite_numbers(segment):
-    random, inverse = np.random.default_rng(24), InverseMap(segment)
+    random = np.random.default_rng(24)
     for k in range(300):
         centre = random.standard_normal(3) if k % 3 else np.full(3, np.nan)
-        inverse.find([np.nan if k % 2 else 30.0, 20.0], centre, random.standard_normal(4) * (k % 5))
-        assert np.isfinite(inverse.wrench).all() and np.isfinite(inverse.stiffness).all()
-        assert not (inverse.converged and inverse.inside)
+        found = inverse(segment.struct, [np.nan if k % 2 else 30.0, 20.0], centre, random.standard_normal(4) * (k % 5))
+        assert np.isfinite(found.wrench).all() and np.isfinite(found.stiffness).all()
+        assert not (found.evaluations > 0 and found.inside)

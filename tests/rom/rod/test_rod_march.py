@@ -1,18 +1,15 @@
 """A compiled rod of elements: that of NumPy, in chains and contact, its inverse, and what is refused."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from rom.files.checked_file import ModelError
 from rom.native import LIBRARY
 from rom.rod import compiled as native
 from rom.rod import limits
 from rom.rod.compiled.touched import touches
-from rom.rod.inverse_map import InverseMap
 from rom.rod.objects.shapes import Plane
 from tests.rom.elements import laws
 
@@ -121,70 +118,6 @@ def before(chain, one):
     return LIBRARY.struct(
         "fingerfem_touching", chain=chain, count=1, objects=LIBRARY.pointers("fingerfem_object", [one])
     )
-
-
-def touching(elements, obstacle):
-    """A struct fingerfem_touching, and what it needs."""
-    struct = LIBRARY.struct("fingerfem_object", **obstacle.numbers())
-    return before(chained([elements]), struct)
-
-
-def test_a_free_rod_and_its_derivatives_are_those_without_a_wrench():
-    elements, pulled = laws.finger(), laws.inputs(2, 10, 12)[0]
-    far = Plane(centre=(0.0, 1.0, 0.0), normal=(0.0, -1.0, 0.0), direction=(0.0, 1.0, 0.0), distances=(0.0, 1.0))
-    own = touching(elements, far)
-    found = touches(own, np.column_stack([pulled, np.full(10, np.inf)]))
-    assert found.inside.all() and not found.wrenches.any()
-    for tip, jacobian, (centre, rotation, motion, _) in zip(
-        found.out[:, :3], found.jacobians, placed(elements, pulled, np.zeros((10, 6))), strict=True
-    ):
-        assert tip + list(own.chain.rest) == pytest.approx(centre, abs=1e-15)
-        assert jacobian[:3, :2] == pytest.approx(rotation @ motion[:3, :2], abs=1e-15)
-
-
-def test_a_plane_presses_on_a_rod_where_they_touch_and_by_the_same_force():
-    """The wrench is a force along the normal at corners that lie on the plane; derivatives are differences."""
-    elements, (pulled, _), pressed = laws.finger(), laws.inputs(2, 20, 13), 0
-    for pull in pulled:
-        ((free, rotation, _, _),) = placed(elements, pull[None], np.zeros((1, 6)))
-        normal = -np.array([0.2, 0.9, 0.3]) / np.linalg.norm([0.2, 0.9, 0.3])
-        touched = min(free + CORNERS @ rotation.T, key=lambda corner: corner @ normal)
-        plane = Plane(centre=tuple(touched), normal=tuple(normal), direction=tuple(-normal), distances=(-0.01, 0.01))
-        own, point = touching(elements, plane), np.append(pull, -3e-4)
-        found = touches(own, point[None])
-        if not found.inside[0]:
-            continue
-        pressed += 1
-        ((centre, turned, _, _),) = placed(elements, pull[None], found.wrenches)
-        heights = (centre + CORNERS @ turned.T - touched) @ normal - 3e-4
-        force = turned @ found.wrenches[0, :3]
-        at = np.flatnonzero(np.abs(heights) < 1e-8)
-        assert heights.min() > -1e-8 and len(at) > 0
-        assert force == pytest.approx(found.out[0, 3] * normal, rel=1e-6) and found.out[0, 3] > 1e-3
-        if len(at) == 1:
-            moment = np.cross(CORNERS[at[0]], found.wrenches[0, :3])
-            assert found.wrenches[0, 3:] == pytest.approx(moment, abs=1e-6 * laws.MOST_MOMENT)
-        for k, h in enumerate((1e-4, 1e-4, 2e-8)):
-            after, before = (touches(own, (point + sign * h * np.eye(3)[k])[None]).out[0] for sign in (1, -1))
-            differences = (after - before) / (2 * h)
-            near = 2e-3 * np.abs(differences[:3]).max()
-            assert found.jacobians[0, :4, k] == pytest.approx(differences[:4], rel=2e-3, abs=near)
-    assert pressed > 15
-
-
-def test_the_wrench_of_a_rods_pose_is_found_again():
-    elements, (pulled, wrenches) = laws.finger(), laws.inputs(2, 50, 14, share=0.15)
-    inverse, found = InverseMap(SimpleNamespace(struct=compiled(elements), tensions=2)), 0
-    for pull, wrench, (centre, rotation, motion, inside) in zip(
-        pulled, wrenches, placed(elements, pulled, wrenches), strict=True
-    ):
-        inverse.forget()
-        inverse.find(pull, centre, Rotation.from_matrix(rotation).as_quat()[[3, 0, 1, 2]])
-        assert inverse.converged and inverse.inside == inside
-        assert inverse.wrench == pytest.approx(wrench, abs=1e-7)
-        assert inverse.stiffness @ motion[:, 2:] == pytest.approx(np.eye(6), abs=1e-4)
-        found += inside
-    assert found > 25
 
 
 def nine(element):

@@ -8,8 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from control import Finger
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment
-from rom.export.model import struct
-from rom.native import LIBRARY, pointer
 from rom.rod.rod import Rod
 from tests.rom.elements import elastic_rod
 from tests.rom.elements.elastic_rod import PLATE, SQUARE, corners_at
@@ -77,19 +75,6 @@ def test_its_derivative_is_that_of_the_answers(shipped, points):
         differences = (after - before) / (2 * STEP)
         assert slopes[smooth, k] == pytest.approx(differences[smooth], abs=1e-6 * np.abs(differences).max())
     assert np.array_equal(slopes[:, -1], np.zeros(POINTS))
-
-
-def test_c_alone_has_the_same_touch_distance_and_derivative(shipped, points):
-    """An FMU and the page in a browser compute this."""
-    own, functions = struct(shipped), LIBRARY.functions
-    memory = np.empty(functions.fingerfem_model_memory(own))
-    expected = shipped.answers(points[:400])
-    for i, point in enumerate(points[:400]):
-        out, errors, jacobian, wrench = np.empty(6), np.empty(4), np.empty((5, 3)), np.zeros(30)
-        given = map(pointer, (point.copy(), memory, wrench, out, errors, jacobian))
-        functions.fingerfem_model_evaluate(own, *given, LIBRARY.ffi.NULL)
-        assert out[4] == pytest.approx(expected.out[i, 4], abs=1e-14)
-        assert jacobian[4] == pytest.approx(expected.jacobians[i, 4], abs=1e-14)
 
 
 def test_reach_stays_clear_of_the_plane_with_the_rubber_too(shipped, points):

@@ -5,17 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import rom
 from rom.elements.pieces import Piece
 from rom.files.checked_file import ModelError
 from rom.rod.segment import UNDER, segment_of
 
 PULLED = np.array([30.0, 12.0, 0.4, -0.5, 0.3, 0.01, -0.02, 0.015])  # tensions and a wrench
-
-
-@pytest.fixture(scope="module")
-def rod():
-    return rom.load().rod
 
 
 def at_size(rod, size: float, modulus: float = 1.0):
@@ -43,16 +37,6 @@ def test_a_similar_segment_has_the_same_turns_and_scaled_places(rod, size, modul
     larger, turned, _, also = other.place(units * PULLED)
     assert larger == pytest.approx(size * centre, rel=1e-6) and turned == pytest.approx(rotation, abs=1e-8)
     assert inside and also
-
-
-def test_the_plate_s_motion_is_the_difference_of_its_poses(rod):
-    segment = rod.segments[0]
-    _, rotation, motion, _ = segment.place(PULLED)
-    for k, h in enumerate([1e-3] * 2 + [1e-4] * 3 + [1e-6] * 3):
-        ends = [segment.place(PULLED + sign * h * np.eye(8)[k]) for sign in (1, -1)]
-        move, spin = (rotation.T @ (ends[0][part] - ends[1][part]) / (2 * h) for part in (0, 1))
-        turn = [spin[2, 1], spin[0, 2], spin[1, 0]]
-        assert motion[:, k] == pytest.approx([*move, *turn], abs=1e-5 * np.abs(motion[:, k]).max())
 
 
 def test_only_a_tendon_near_a_face_raises_a_ridge_on_it(rod):

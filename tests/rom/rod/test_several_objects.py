@@ -1,7 +1,5 @@
 """Several objects at once: against one alone, differences, reciprocity, and what presses."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -16,11 +14,6 @@ POST = Cylinder(centre=(0.028, -0.0155, 0.0), direction=(0.1, -1.0, 0.0), radius
 BRICK = box(centre=(0.046, 0.002, -0.0125), sides=(0.02, 0.03, 0.012), direction=(0.0, 0.1, -1.0), distances=RANGE)
 WALL = Plane(centre=(0.0, 0.009, 0.0), direction=(0.0, 1.0, 0.0), normal=(0.0, -1.0, 0.0), distances=RANGE)
 GROUPS = [(BALL, POST), (BALL, BRICK), (POST, WALL), (BALL, POST, BRICK)]
-
-
-@pytest.fixture(scope="module")
-def rod():
-    return TouchedSegment.load().rod
 
 
 def touching(model, tensions, random):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from control import Finger
 from rom.files.checked_file import ModelError
 from rom.rod.objects.shapes import Plane, RigidObject, Sphere, box, facing_plane
 from rom.rod.touched_segment import TouchedSegment
@@ -27,16 +26,6 @@ def whole(tensions: np.ndarray, wrenches: np.ndarray) -> list[tuple[np.ndarray, 
     transmitted = wrenches[0] + np.concatenate([force, turned @ wrenches[1, 3:] + np.cross(arm, force)])
     centre, first = rod.plate(tensions, transmitted)
     return [(centre, first), (centre + first @ arm, first @ turned)]
-
-
-def test_two_segments_stand_where_the_rod_does(two):
-    placed = two.place(TENSIONS, WRENCHES)
-    assert placed.inside
-    for centre, rotation, (there, turned) in zip(
-        placed.centres, placed.rotations, whole(TENSIONS, WRENCHES), strict=True
-    ):
-        assert centre == pytest.approx(there, abs=ROUGH)
-        assert rotation == pytest.approx(turned, abs=3e-5)
 
 
 def test_a_finger_of_one_segment_is_its_segment(finger):
@@ -125,11 +114,3 @@ def test_derivatives_of_a_touched_finger_are_those_of_its_answers(two, name):
         unit = h * np.eye(3)[k]
         differences = (model.outputs(point + unit)[0] - model.outputs(point - unit)[0]) / (2 * h)
         assert jacobian[:, k] == pytest.approx(differences, rel=5e-4, abs=5e-4 * np.abs(differences[:3]).max())
-
-
-def test_a_finger_of_two_segments_holds_and_locates(two):
-    model, point = pressed(two, "plane")
-    finger = Finger(model)
-    held = finger.hold(0.1, float(point[2]))
-    assert held.converged and model.outputs([*held.tensions, point[2]])[0, 3] == pytest.approx(0.1, abs=1e-6)
-    assert finger.locate(held.tensions, 0.1).distance == pytest.approx(point[2], abs=1e-6)

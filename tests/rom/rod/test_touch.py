@@ -1,6 +1,5 @@
 """Contact of a plate and rigid objects: forces only where gaps are closed, derivatives, and what has no answer."""
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from control import Finger
 from rom import Cylinder, Hull, Plane, Sphere, TouchedSegment, box
-from rom.rod.compiled.touched import touches
 from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.plates import bare, touch_of_plates
@@ -156,25 +154,6 @@ def test_forces_at_the_contact_points_make_the_wrench(finger, shape):
     assert len(beyond) == len(model.contact_forces(point))
 
 
-def test_a_hull_says_what_it_cannot_be():
-    for wrong in ({"vertices": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}, {"rounding": 0.0}, {"vertices": [(0, 0)]}):
-        cube = {"vertices": list(map(tuple, rod.CORNERS)), "centre": (0, 0, 0), "direction": (0, 1, 0)} | wrong
-        with pytest.raises(ValueError, match=next(iter(wrong))):
-            Hull(**cube)
-    with pytest.raises(ValueError, match="rounding"):
-        box(centre=(0, 0, 0), sides=(0.01, 0.01, 1e-4), direction=(0, 1, 0))
-    for name in ("sides", "rotation"):
-        with pytest.raises(ValueError, match=f"{name} must be three finite numbers"):
-            box(**{"centre": (0, 0, 0), "sides": [0.01] * 3, "direction": (0, 1, 0), name: (0.01, np.nan, 0.01)})
-
-
-def test_a_model_that_has_answered_can_be_pickled(finger):
-    model = TouchedSegment(rod=finger, obstacle=facing_plane(rod.SIDE, (0.0, 0.05)))
-    point = [10.0, 0.0, 0.01]
-    before = model.outputs([point])
-    assert np.array_equal(pickle.loads(pickle.dumps(model)).outputs([point]), before)
-
-
 def moved(model: TouchedSegment, way: np.ndarray) -> TouchedSegment:
     """The same before the object moved."""
     return replace(model, obstacle=replace(model.obstacle, centre=tuple(np.array(model.obstacle.centre) + way)))
@@ -233,15 +212,6 @@ def test_every_answer_is_known_or_says_that_it_is_not(finger, shape):
         else:
             assert found.out[0, 3] >= 0
     assert unknown <= 15
-
-
-def test_a_warm_start_finds_the_same_sooner(finger):
-    model, point = touched(finger, np.random.default_rng(4), "plane")
-    cold = model.answers(point)
-    moved = point + np.array([0, 0, 1e-5])
-    near = touches(model.touching, moved[None], cold.wrenches)
-    assert near.evaluations[0] <= cold.evaluations[0]
-    assert near.out == pytest.approx(model.answers(moved).out, rel=1e-6)
 
 
 def test_a_small_ball_is_a_point_and_a_large_one_a_plane(finger):
@@ -325,13 +295,6 @@ def test_a_plate_that_would_slip_off_a_ball_is_marked(finger):
     assert found == [True, False]
 
 
-def test_objects_that_are_none_are_refused():
-    with pytest.raises(ValueError, match="radius must be above 0 m"):
-        Sphere(centre=(0, 0, 0), direction=(0, 1, 0), radius=0.0)
-    with pytest.raises(ValueError, match="normal must be a vector"):
-        Plane(centre=(0, 0, 0), direction=(0, 1, 0), normal=(0, 0, 0))
-
-
 AHEAD = rod.LENGTH
 OBJECTS = {
     "plane": Plane(centre=(AHEAD, 0, 0), normal=(-1, 0, 0), direction=(1, 0, 0)),
@@ -348,28 +311,6 @@ def test_an_object_ahead_of_the_straight_finger_compresses_it(finger, shape):
     assert found.contact_force == pytest.approx(rod.AXIAL / (rod.LENGTH - rod.PLATE) * pushed, rel=0.02)
     assert found.tip == pytest.approx([-pushed, 0, 0], abs=0.02 * pushed)
     assert model.evaluate([0.0, 0.0, pushed]).contact_force == 0.0
-
-
-@pytest.mark.parametrize("scale", [1e-200, 1e-6, 1e6, 1e200])
-@pytest.mark.parametrize("shape", OBJECTS)
-def test_normals_axes_and_directions_may_have_any_length(finger, shape, scale):
-    tilted = {"direction": (0.3, 1.0, -0.2), "normal": (-0.4, -1.0, 0.1), "axis": (0.2, -0.1, 1.0)}
-    own = {name: vector for name, vector in tilted.items() if hasattr(OBJECTS[shape], name)}
-    scaled = {name: tuple(scale * part for part in vector) for name, vector in own.items()}
-    beside = {"centre": (0.045, 0.015, 0.001), "distances": (-0.05, 0.05)}
-    ours, theirs = (
-        TouchedSegment(rod=finger, obstacle=replace(OBJECTS[shape], **beside | one)) for one in (scaled, own)
-    )
-    pressed = [20.0, 5.0, float(theirs.outputs([20.0, 5.0, 0.0])[0, 4]) - 2e-4]
-    assert np.isfinite(pressed).all() and theirs.outputs(pressed)[0, 3] > 0
-    assert ours.outputs(pressed) == pytest.approx(theirs.outputs(pressed), rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize("name", ["direction", "normal", "axis"])
-def test_a_direction_without_length_is_refused(name):
-    shape = {"direction": "sphere", "normal": "plane", "axis": "cylinder"}[name]
-    with pytest.raises(ValueError, match=f"{name} must be a vector of some length"):
-        replace(OBJECTS[shape], **{name: (0.0, 0.0, 0.0)})
 
 
 # Boxes that a corner of the plate enters by one side and might leave by another: tensions [N], direction, centre, sides

@@ -3,17 +3,10 @@
 import numpy as np
 import pytest
 
-import rom
-from rom import AmongObjects, Plane, Sphere, TouchedSegment
-from rom.files.checked_file import ModelError
+from rom import Plane, TouchedSegment
 
 PAIRS = [(60.0, 20.0), (20.0, 0.0), (80.0, 50.0)]
 DEEP = 0.003  # of the plane beyond touch [m]
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 def pressed(model, tensions) -> np.ndarray:
@@ -55,21 +48,3 @@ def test_exchanged_axes_exchange_the_tendons_and_the_tip_s_coordinates(model):
         assert one.contact_force == pytest.approx(image.contact_force, rel=1e-6)
         assert one.tip == pytest.approx(image.tip[[0, 2, 1]], abs=1e-9)
         assert one.shortenings == pytest.approx(image.shortenings[::-1], abs=1e-9)
-
-
-def test_contact_forces_along_the_way_of_d_add_up_to_the_contact_force(model):
-    balls = [
-        Sphere(centre=(x, y, 0.0), direction=(0.2, np.sign(y), 0.1), radius=0.004, distances=(-0.01, 0.05))
-        for x, y in ((0.042, 0.0132), (0.025, -0.0075))
-    ]
-    among, point = AmongObjects(rod=model.rod, obstacles=balls), [12.0, 3.0, 1e-4, 1e-4]
-    answer, found = among.evaluate(point), among.contact_forces(point)
-    ways = np.array([ball.numbers()["direction"] for ball in balls])
-    sums = [-sum(one.force @ ways[k] for one in found if one.object == k) for k in range(2)]
-    assert answer.contact_force == pytest.approx(sums, rel=1e-5) and min(sums) > 0.01 and answer.inside
-    assert among.names == ["F1", "F2", "d1", "d2"]
-
-
-def test_a_point_of_another_length_names_the_parameters(model):
-    with pytest.raises(ModelError, match=r"parameters must be F1, F2, d \(in that order\), got shape \(2,\)"):
-        model.evaluate([1.0, 2.0])

@@ -1,13 +1,11 @@
 """The table of a finger before one object: like the finger within its estimated errors, marked where the finger is."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from terminal import ROOT
+from terminal import ran
 
 from control import Finger
 from rom import SeparatedModel, Sphere, TouchedSegment
@@ -61,15 +59,6 @@ def test_where_the_finger_has_no_answer_the_table_is_marked(whole, points):
     assert np.mean(ours.inside) > np.mean(truth.inside) - 0.08
     pressed = ~ours.inside & (ours.contact_force > 0)
     assert pressed.any() and np.isinf(ours.error["contact_force"][pressed]).all()
-
-
-def test_its_derivatives_are_those_of_its_values(table, points):
-    answers = table.evaluate(points)
-    for point in points[answers.inside & (answers.contact_force > 0.5)][:20]:
-        steps = np.diag([1e-3, 1e-3, 1e-7])
-        ends = [(table.outputs((point + s)[None]) - table.outputs((point - s)[None]))[0] for s in steps]
-        slopes = np.array(ends).T / (2 * np.diag(steps))
-        np.testing.assert_allclose(table.jacobian(point), slopes, rtol=1e-4, atol=1e-5 * np.abs(slopes).max())
 
 
 def test_a_force_that_it_holds_is_the_fingers_own(table, finger):
@@ -133,10 +122,6 @@ def test_an_object_that_the_finger_passes_and_too_few_nodes_are_refused(finger):
 
 
 def test_the_command_writes_a_table_that_other_commands_take(tmp_path):
-    def ran(program: str, *words: object) -> subprocess.CompletedProcess[str]:
-        call = [sys.executable, "-m", program, *map(str, words)]
-        return subprocess.run(call, cwd=ROOT, capture_output=True, text=True)
-
     file = tmp_path / "table.h5"
     done = ran("rom", "specialise", "rom/finger.h5", "-o", file, "--nodes", "6", "--json")
     assert done.returncode == 0, done.stderr

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import pytest
 
-import rom
 from rom.export.fmu import variables
 from rom.export.fmu.variables import FLAG, INPUTS, MOST_INPUTS, OUTPUTS, REPORT, REPORT_ERRORS, STATUS, model_interface
 from rom.files.checked_file import ModelError
@@ -14,11 +13,6 @@ from rom.native import LIBRARY
 from rom.parameter import Parameter
 
 NATIVE = Path(variables.__file__).parent / "native"
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 def table_like(tendons: int, has_obstacle: bool = True, has_pad: bool = False):

@@ -4,9 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from rom import Sphere, TouchedSegment, friction_history
 from rom.files.checked_file import ModelError
+from rom.rod.friction.history import FrictionState
 from rom.rod.objects.shapes import facing_plane
 from tests.rom.elements import elastic_rod as rod
 from tests.rom.rod.test_touch import touched
@@ -64,17 +66,19 @@ def test_forces_are_in_the_cone_and_slide_on_it(finger, shape):
             known += 1
             assert state.dissipated >= lost - 1e-9
             lost = state.dissipated
-            total = np.zeros(3)
-            for one in state.contacts:
-                pressing = one.force @ one.normal
-                along = np.linalg.norm(one.force - pressing * one.normal)
-                assert pressing > -1e-6 and along <= friction * pressing + 1e-6
-                if one.slides:
-                    assert along == pytest.approx(friction * pressing, abs=1e-6)
-                slid += one.slides
-                total += one.force
-            assert state.force == pytest.approx(total, abs=1e-12)
+            slid += slides_in_the_cone(state, friction)
     assert known > 10 and slid > 2
+
+
+def slides_in_the_cone(state: FrictionState, friction: float) -> int:
+    """Number of contacts that slide; no force is outside its cone."""
+    for one in state.contacts:
+        pressing = one.force @ one.normal
+        along = np.linalg.norm(one.force - pressing * one.normal)
+        assert pressing > -1e-6 and along <= friction * pressing + 1e-6
+        assert not one.slides or along == pytest.approx(friction * pressing, abs=1e-6)
+    assert state.force == pytest.approx(sum((one.force for one in state.contacts), np.zeros(3)), abs=1e-12)
+    return sum(one.slides for one in state.contacts)
 
 
 def test_what_sticks_goes_where_the_object_goes(plane):
@@ -120,15 +124,22 @@ def test_to_and_fro_closes_a_loop_that_dissipates(plane):
     forces, lost = np.array([one.force for one in states]), np.array([one.dissipated for one in states])
     assert forces[6] == pytest.approx(forces[4], rel=1e-5) and forces[5] == pytest.approx(forces[3], rel=1e-5)
     assert lost[6] - lost[4] == pytest.approx(lost[4] - lost[2], rel=1e-3) and lost[2] > 1e-6
-    # What the object does on the finger in a closed loop is what is lost.
-    fine = np.linspace(0, 2 * np.pi, 241)
-    circle = 1.5e-3 * np.column_stack([np.cos(fine), 0 * fine, np.sin(fine)])
-    round_and_round = np.vstack([circle, circle[1:]])
-    found = friction_history(plane, [[*TENSIONS, d]] * len(round_and_round), 0.3, moved=round_and_round, increments=1)
-    second = slice(len(circle) - 1, None)
-    force = np.array([one.force for one in found])[second]
-    work = np.sum((force[1:] + force[:-1]) / 2 * np.diff(round_and_round[second], axis=0))
-    assert work == pytest.approx(found[-1].dissipated - found[len(circle) - 1].dissipated, rel=0.01) and work > 0
+    work, dissipated = round_and_round(plane, [*TENSIONS, d], np.eye(3)[[0, 2]], 241)
+    assert work == pytest.approx(dissipated, rel=0.01) and work > 0
+
+
+def round_and_round(
+    model: TouchedSegment, point: ArrayLike, axes: np.ndarray, count: int, rubber: bool = False
+) -> tuple[float, float]:
+    """Work of the object on the finger, and what is lost, in the second of two circles: the begin is forgotten."""
+    fine = np.linspace(0, 2 * np.pi, count)
+    circle = 1.5e-3 * np.column_stack([np.cos(fine), np.sin(fine)]) @ axes
+    twice = np.vstack([circle, circle[1:]])
+    found = friction_history(model, [point] * len(twice), 0.3, moved=twice, increments=1)[count - 1 :]
+    assert all(state.status == "converged" and state.contacts[0].rubber == rubber for state in found)
+    force = np.array([one.force for one in found])
+    work = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(circle, axis=0)))
+    return work, found[-1].dissipated - found[0].dissipated
 
 
 def test_plates_of_two_segments_stick_and_slide(finger):

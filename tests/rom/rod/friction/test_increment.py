@@ -5,17 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import rom
 from rom.rod.friction.contact_law import OPEN, SLIDES, STICKS
 from rom.rod.friction.increment import Loads, Resting, advance, free
 
 TENSIONS = np.array([12.0, 3.0])
 SIGNS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-
-
-@pytest.fixture(scope="module")
-def model():
-    return rom.load()
 
 
 def loads(d: float, moved=(0.0, 0.0, 0.0)) -> Loads:

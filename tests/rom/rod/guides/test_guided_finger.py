@@ -1,23 +1,16 @@
 """Friction of tendons in their guides: the law, its history, its work, and what a finger without it answers."""
 
-import copy
-import pickle
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from assembled import in_series
 
-from rom import GuidedFinger, Rod, TouchedSegment, guide_history
+from rom import GuidedFinger, Rod, guide_history
 from rom.files.checked_file import ModelError
 from rom.rod.compiled import reports
 
 FRICTION = 0.2
-
-
-@pytest.fixture(scope="module")
-def model() -> TouchedSegment:
-    return TouchedSegment.load()
 
 
 def bends(finger: GuidedFinger) -> np.ndarray:
@@ -181,15 +174,6 @@ def test_every_segment_of_a_finger_has_its_elements(model):
     assert (
         state.status == "converged" and len(passed) == sum(map(len, rod.pieces)) and (passed[passed > 0] <= 30.0).all()
     )
-
-
-def test_a_history_goes_on_in_a_copy(model):
-    finger = GuidedFinger(model=model, friction=FRICTION)
-    finger.advance([60.0, 0.0, 0.02])
-    others = [pickle.loads(pickle.dumps(finger)), copy.deepcopy(finger)]
-    expected = finger.advance([30.0, 10.0, 0.02])
-    for other in others:
-        assert other.advance([30.0, 10.0, 0.02]).tip == pytest.approx(expected.tip, abs=1e-12)
 
 
 @pytest.mark.parametrize(

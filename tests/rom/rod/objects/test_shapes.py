@@ -6,22 +6,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from rom import Cylinder, Plane, Sphere, box
+from rom import Cylinder, Hull, Plane, Sphere, box
 from rom.rod.objects.shapes import facing_plane
 
 PARTS = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda one: max(map(abs, one)) > 1e-3)
 
 
 @given(PARTS, PARTS, st.sampled_from([1e-300, 1e-160, 1.0, 1e160, 1e300]))
-def test_directions_and_axes_are_unit_vectors_of_the_same_way_at_any_length(direction, axis, scale):
-    one, other = (
-        Cylinder(centre=(0, 0, 0), direction=tuple(s * c for c in direction), axis=axis, radius=1.0).numbers()
-        for s in (1.0, scale)
-    )
-    assert np.linalg.norm(other["direction"]) == pytest.approx(1.0)
-    assert np.cross(other["direction"], direction) == pytest.approx(np.zeros(3), abs=1e-12)
-    assert np.dot(other["direction"], direction) > 0 and other["axis"] == one["axis"]
-    assert other["direction"] == pytest.approx(one["direction"], abs=1e-12)
+def test_directions_normals_and_axes_are_unit_vectors_of_the_same_way_at_any_length(direction, axis, scale):
+    longer = {"centre": (0, 0, 0), "direction": tuple(scale * part for part in direction)}
+    own = tuple(scale * part for part in axis)
+    for one in (Cylinder(**longer, axis=own, radius=1.0), Plane(**longer, normal=own)):
+        for name, wanted in (("direction", direction), ("axis", axis)):
+            assert one.numbers()[name] == pytest.approx(np.array(wanted) / np.linalg.norm(wanted), abs=1e-12)
 
 
 @given(
@@ -47,17 +44,29 @@ def test_the_facing_plane_is_the_finger_s_face_at_no_distance():
     assert (numbers["nearest"], numbers["farthest"]) == (0.001, 0.03)
 
 
-def test_what_is_not_finite_or_has_no_length_is_refused_by_its_name():
-    where = {"centre": (0, 0, 0), "direction": (0, 1, 0)}
-    for wrong, message in (
-        ({"centre": (0, np.nan, 0)}, "centre must be finite"),
-        ({"direction": (0, 0, 0)}, "direction must be a vector of some length"),
-        ({"distances": (0.0, np.inf)}, "distances must be finite"),
-        ({"radius": -1e-3}, "radius must be above 0 m, got -0.001"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            Sphere(**{**where, "radius": 0.01, **wrong})
-    with pytest.raises(ValueError, match="normal must be finite"):
-        Plane(**where, normal=(0, 0, np.inf))
-    with pytest.raises(ValueError, match="rounding must be below half the shortest side, "):
-        box(**where, sides=(0.01, 0.002, 0.01), rounding=0.001)
+WHERE = {"centre": (0, 0, 0), "direction": (0, 1, 0)}
+CUBE = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+
+
+@pytest.mark.parametrize(
+    ("shape", "own", "message"),
+    [
+        (Sphere, {"radius": 0.01, "centre": (0, np.nan, 0)}, "centre must be finite"),
+        (Sphere, {"radius": 0.01, "distances": (0.0, np.inf)}, "distances must be finite"),
+        (Sphere, {"radius": 0.01, "direction": (0, 0, 0)}, "direction must be a vector of some length"),
+        (Sphere, {"radius": -1e-3}, "radius must be above 0 m, got -0.001"),
+        (Sphere, {"radius": 0.0}, "radius must be above 0 m"),
+        (Plane, {"normal": (0, 0, np.inf)}, "normal must be finite"),
+        (Plane, {"normal": (0, 0, 0)}, "normal must be a vector of some length"),
+        (Cylinder, {"radius": 0.01, "axis": (0, 0, 0)}, "axis must be a vector of some length"),
+        (Hull, {"vertices": CUBE[:3]}, "vertices"),
+        (Hull, {"vertices": [(0, 0)]}, "vertices"),
+        (Hull, {"vertices": CUBE, "rounding": 0.0}, "rounding"),
+        (box, {"sides": (0.01, 0.002, 0.01), "rounding": 0.001}, "rounding must be below half the shortest side, "),
+        (box, {"sides": (0.01, np.nan, 0.01)}, "sides must be three finite numbers"),
+        (box, {"sides": (0.01,) * 3, "rotation": (0, np.nan, 0)}, "rotation must be three finite numbers"),
+    ],
+)
+def test_what_is_not_finite_or_has_no_length_is_refused_by_its_name(shape, own, message):
+    with pytest.raises(ValueError, match=message):
+        shape(**WHERE | own)
