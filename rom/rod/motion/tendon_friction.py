@@ -127,10 +127,10 @@ class TendonFriction:
         tensions, slips, bends = self.now.tensions, self.now.slips + kind[0] * self.now.speeds, self.now.bends
         found: Stepped | None = None
         for k in range(STEPS):
-            missing, matrix, inside = self._equations(tensions, motors, slips, bends)
+            missing, matrix, slide, inside = self._equations(tensions, motors, slips, bends)
             change = np.linalg.solve(matrix, missing.ravel()).reshape(missing.shape)
             if found is not None and np.abs(change / scale).max() < SETTLED:
-                taken = self._taken(tensions, slips, motors)
+                taken = self._taken(tensions, slips, motors, slide)
                 speeds = (slips - self.now.slips) / kind[0]
                 self.now = Sliding(tensions, slips, speeds, bends, motors.copy(), self.now.dissipated + taken)
                 return found._replace(inside=found.inside and inside)
@@ -161,12 +161,12 @@ class TendonFriction:
 
     def _equations(
         self, tensions: np.ndarray, motors: np.ndarray, slips: np.ndarray, bends: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, bool]:
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
         """Equations of Newton's method. Guides stick or slip by the forces that would stop their plastic slip.
 
         Returns:
             tensions by the law less the present ones, shape (n, t) [N]; the derivative of minus these by the present
-            ones, shape (n t, n t) [-]; and whether all tensions are in the box.
+            ones, shape (n t, n t) [-]; true in guides that slip, shape (n, t); and whether all tensions are in the box.
         """
         arrays = self._guided.arrays
         behind = self._towards_motors(tensions, motors)
@@ -184,7 +184,7 @@ class TendonFriction:
         rows = np.flatnonzero(self._next < slips.size)  # all but those at motors
         matrix[rows, self._next.flat[rows]] -= gains.flat[rows]
         inside = bool((wanted <= self._upper).all() and ((motors >= self._lower) & (motors <= self._upper)).all())
-        return held - tensions, matrix, inside
+        return held - tensions, matrix, pulled | let_out, inside
 
     def _forces(self, tensions: np.ndarray, motors: np.ndarray) -> np.ndarray:
         """Forces of the guides, tau, shape (n, t) [N]."""
@@ -208,11 +208,11 @@ class TendonFriction:
             arrays.tensions[:] = kept
         return found.reshape(slips.size, slips.size)
 
-    def _taken(self, tensions: np.ndarray, slips: np.ndarray, motors: np.ndarray) -> float:
+    def _taken(self, tensions: np.ndarray, slips: np.ndarray, motors: np.ndarray, slide: np.ndarray) -> float:
         """Work of friction on plastic slips in a step [J]: of its mean, or where it has turned, of its last force."""
         before, after = self._forces(self.now.tensions, self.now.motors), self._forces(tensions, motors)
         elastic = np.divide(after - before, self._stiffness, out=np.zeros_like(after), where=self._rubs)
-        plastic = (slips - self.now.slips - elastic) * self._rubs
+        plastic = (slips - self.now.slips - elastic) * slide
         mean = np.where(before * after > 0, (before + after) / 2, after)
         return float((mean * plastic).sum())
 
