@@ -157,7 +157,7 @@ class MovingPlant:
             reached them from rest.
 
     Raises:
-        ModelError: no density, the object touches the finger that rests, or friction with rubber that relaxes.
+        ModelError: no density, or the object touches the finger that rests.
     """
 
     def __init__(

@@ -25,10 +25,12 @@ class TrackingOptions:
         effort: weight of the square of a correction over that of the tip's error [-].
         correction: largest correction, as a displacement of the tip [m]. A plan whose simulated tip deviates more from
             the path is refused.
-        pretension: share of the limits' range; the plan takes the tensions nearest to it [-].
+        pretension: share of the limits' range; the plan takes the tensions nearest to it [-]. Tendons that become slack
+            in the plan excite vibration along the finger.
         feel: contact force above which a reading counts as contact [N].
         most_force: largest contact force in the plan's simulated motion, as means over a period [N]. The plan presses
-            with at most half of it. Impacts have the rest: where they have more, the approach becomes slower.
+            with at most half of it. Impacts have the rest: where they have more, the approach becomes slower. For
+            another finger, and with feedback, it is not guaranteed; docs/accuracy.md has measured forces.
         margin: displacements of the object, nearer and farther, with which the simulated motion keeps `most_force`, too
             [m]. Errors of the tip's position act like these.
         approach: shortest time before contact in which the tip's planned speed towards the object falls to zero [s].
@@ -43,7 +45,7 @@ class TrackingOptions:
     drift: float = 3e-4
     effort: float = 3.0
     correction: float = 3e-3
-    pretension: float = 0.05
+    pretension: float = 0.2
     feel: float = 0.05
     most_force: float = np.inf
     margin: float = 1e-4

@@ -92,6 +92,7 @@ class TrackingController:
         self._feedback = feedback(system, self.plan.shares, own.noise, own.drift * np.sqrt(own.period), own.effort)
         normal = model.direction[1:]
         self._normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
+        self._stiffness = max(float((self.plan.stiffness @ self._normal).max()), SOFT)
         self._along = np.eye(2) - np.outer(self._normal, self._normal)
         self.reason, self.status = self.plan.reason, "unreachable" if self.plan.reason else "moving"
         self.row, self.tensions = 1, self.plan.tensions[0 if self.reason else 1].copy()
@@ -177,9 +178,8 @@ class TrackingController:
         if not self.plan.contact_forces[self.row] > 0:
             self._pressing -= share * self._pressing
         elif 0 <= row <= self.row and np.isfinite(felt) and self.plan.contact_forces[row] > 0:
-            stiffness = max(float(self.plan.stiffness[row] @ self._normal), SOFT)
             most = self.options.correction
-            wanted = self._pressing + share * (self.plan.contact_forces[row] - felt) / stiffness
+            wanted = self._pressing + share * (self.plan.contact_forces[row] - felt) / self._stiffness
             self._pressing = min(max(wanted, -most), most)
 
     def _observe(self, row: int, tip: np.ndarray, felt: float) -> None:

@@ -255,17 +255,9 @@ int fingerfem_touch(const fingerfem_touching *touching, const double *point, dou
  * (tensions) [N], to the end of this one, all in place. At a point, (tensions + count): as of `fingerfem_touch`, but shortenings [m]
  * of the tendons that are `wound`, (tensions). The loads are where the solve begins and end; of a chain without objects they are given. Work,
  * (2) [J]: of the motors in the increment, and what friction took of it. Returns the number of steps; 0 if shortenings are not known,
- * negative if it found no equilibrium, and what it changes is of no use. Inside is 0 if a tension goes beyond its box. `memory` has
- * fingerfem_guides_memory's size. */
-int32_t fingerfem_guides_memory(const fingerfem_chain *chain);
+ * negative if it found no equilibrium, and what it changes is of no use. Inside is 0 if a tension goes beyond its box. */
 int fingerfem_guides_advance(const fingerfem_touching *touching, const double *point, const int32_t *wound, double *memory, double *loads,
                              double *motors, double *work, int32_t *inside);
-
-/* Elements of a chain with guides, at its tensions, those of the motors, (tensions) [N], and loads, and under the acceleration by weight,
- * (3) [m/s^2], or the chain's own if that is NULL: how much shorter every tendon is in each, (elements, tensions) [m], by how much more by the
- * tension there at fixed wrench, likewise [m/N], and their bends, (elements) [rad]. Returns 0 if shortenings are not known. */
-int fingerfem_guides_elements(const fingerfem_chain *chain, const double *gravity, const double *motors, const double *loads, double *memory,
-                              double *shortenings, double *yielding, double *bends);
 
 /* Contacts that press: of which plate, or of the rubber of which segment, with which object, place [m] and normal in space, out of the object, and
  * the force along it on the finger [N]. */
@@ -376,7 +368,8 @@ typedef struct {
 
 /* A step of time, `length` [s], to tensions and the d of every object, (tensions + count), and the base's motion, (FINGERFEM_BASE), or NULL
  * if it rests, at the step's end: `moving` is where it begins and what it ends with, both seen from the base, as are the loads on all bodies,
- * contacts' and inertia's, what presses, and, with branches, what relaxes of all loads, (1 + branches, 6 elements + tensions) [N, N m]. Takes the mean
+ * contacts' and inertia's, what presses, and, with branches, what relaxes of all loads, (1 + branches, 6 elements + tensions) [N, N m], where a
+ * chain with guides has the tensions of all elements; it also gets their slips and bends at the step's end. Takes the mean
  * force of every object, (count) [N], along its direction, and the kinetic energy [J]. Returns the number of evaluations of the map, negative without an answer: then
  * `moving`, loads and what presses stay; `inside` is as that of `fingerfem_touch`. */
 int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *inertia, const double *point, const double *base,

@@ -27,6 +27,7 @@ LOW_FORCE, LOW_MARGIN = 0.1, 1e-4
 FRICTION = 0.2  # coefficient of the tendons in their guides [-]
 LATE, NOISE = 2, 2e-5  # periods; of the tip's readings [m]
 RELAXING = [[0.1, 0.005], [0.1, 0.1]]  # branches of the rubber: moduli over the law's own [-], and times [s]
+LOOSE = 0.05  # pretension of the PID and the inverse, whose errors are smaller with less [-]
 GAINS = tuple(product((0.0, 0.3, 0.6), (1.0, 4.0, 10.0), (0.0, 0.01, 0.02)))  # proportional, integral, derivative
 
 
@@ -45,7 +46,7 @@ class Case:
         density: likewise of the rubber [-].
         friction: of the tendons in their guides [-].
         compensated: the same in the controller's options [-].
-        relaxes: whether the rubber relaxes; a finger with friction does not.
+        relaxes: whether the rubber relaxes.
     """
 
     name: str
@@ -66,7 +67,7 @@ BEFORE, STIFFER, SOFTER = "circle, before a plane", "stiffer and lighter, noise"
 LATER = Case(name="circle, free, readings 4 ms late", delay=LATE)
 PLANE = Case(name=f"{BEFORE}, readings 4 ms late", distance=DISTANCE, delay=LATE)
 NOISY = replace(LATER, noise=NOISE, modulus=1.1, density=0.9)
-ELASTIC = replace(LATER, relaxes=False)
+RUBBING = replace(LATER, friction=FRICTION)
 CASES = (
     Case(name="circle, free"),
     LATER,
@@ -79,20 +80,10 @@ CASES = (
     replace(PLANE, name=f"{BEFORE}, at most {LOW_FORCE:g} N, 4 ms late", force=LOW_FORCE, margin=LOW_MARGIN),
     replace(NOISY, name=f"circle, 10 % {STIFFER}, 4 ms late"),
     replace(NOISY, name=f"circle, 10 % {SOFTER}, 4 ms late", modulus=0.9, density=1.1),
-    replace(ELASTIC, name="circle, elastic, 4 ms late"),
-    replace(ELASTIC, name="circle, elastic, friction of 0.2, 4 ms late, not compensated", friction=FRICTION),
-    replace(
-        ELASTIC,
-        name="circle, elastic, friction of 0.2, 4 ms late, compensated",
-        friction=FRICTION,
-        compensated=FRICTION,
-    ),
-    replace(
-        ELASTIC,
-        name="circle, elastic, friction of 0.2, 4 ms late, compensated as 0.15",
-        friction=FRICTION,
-        compensated=0.15,
-    ),
+    replace(LATER, name="circle, elastic, 4 ms late", relaxes=False),
+    replace(RUBBING, name="circle, friction of 0.2, 4 ms late, not compensated"),
+    replace(RUBBING, name="circle, friction of 0.2, 4 ms late, compensated", compensated=FRICTION),
+    replace(RUBBING, name="circle, friction of 0.2, 4 ms late, compensated as 0.15", compensated=0.15),
 )
 
 
@@ -156,7 +147,7 @@ def tuned(delay: int) -> tuple[float, float, float]:
         round_finger(True),
         RATES[1],
         Case(name="", delay=delay),
-        TrackingOptions(period=PERIOD),
+        TrackingOptions(period=PERIOD, pretension=LOOSE),
     )
     path = circle(CENTRE + model.rod.rest[1:], RADIUS, rate, PERIOD, LAPS)
     plan = planned(model, path, None, options, Limits())
@@ -168,15 +159,20 @@ def tuned(delay: int) -> tuple[float, float, float]:
     return min(GAINS, key=error)
 
 
-@cache
-def led(case: Case, rate: float) -> tuple[np.ndarray, TrackingController]:
-    """The path of a case and its controller; cached by what these depend on, see `planned_for`."""
+def posed(case: Case, rate: float) -> tuple[TouchedSegment, np.ndarray, TrackingOptions]:
+    """The controller's model, the path of a case, and options."""
     model = round_finger(case.relaxes)
     path = case.shape(CENTRE + model.rod.rest[1:], RADIUS, rate, PERIOD, LAPS)
     options = TrackingOptions(
         period=PERIOD, distance=case.distance, friction=case.compensated, most_force=case.force, margin=case.margin
     )
-    return path, TrackingController(model, path, options)
+    return model, path, options
+
+
+@cache
+def led(case: Case, rate: float) -> TrackingController:
+    """The controller of a case; cached by what it depends on, see `planned_for`."""
+    return TrackingController(*posed(case, rate))
 
 
 def planned_for(case: Case) -> Case:
@@ -185,38 +181,59 @@ def planned_for(case: Case) -> Case:
 
 
 @cache
-def without_tracking(case: Case, rate: float, gains: tuple[float, float, float]) -> dict:
-    """Errors of a PID of tensions, and of the same with the inverse of the model at rest."""
-    path, controller = led(planned_for(case), rate)
-    model, options = controller.model, replace(controller.options, distance=np.inf)
-    plan, found = planned(model, path, None, options, Limits()), {}
-    for name, pulled in (("pid", None), ("inverse", plan.tensions)):
-        pid = PidController(model, path, gains, options, pulled=pulled)
-        found[name] = followed(changed(model, case), case, pid, plan, rate, controller.plan.tips)
-    return found
+def goals(case: Case, rate: float) -> np.ndarray:
+    """The path, or the surface of the plane in front of it: `tips` of the controller's plan."""
+    model, path, options = posed(case, rate)
+    return planned(model, path, None, options, Limits()).tips
 
 
-def row(case: Case, gains: tuple[float, float, float]) -> dict:
-    """All controllers at every rate."""
-    rows = []
+@cache
+def without_tracking(case: Case, gains: tuple[float, float, float]) -> list[dict]:
+    """Errors of a PID of tensions, and of the same with the inverse of the model at rest, at every rate."""
+    rates = []
     for rate in RATES:
-        controller = deepcopy(led(planned_for(case), rate)[1])
+        model, path, given = posed(case, rate)
+        options, tips = replace(given, distance=np.inf, pretension=LOOSE), goals(planned_for(case), rate)
+        plan, found = planned(model, path, None, options, Limits()), {}
+        for name, pulled in (("pid", None), ("inverse", plan.tensions)):
+            pid = PidController(model, path, gains, options, pulled=pulled)
+            found[name] = followed(changed(model, case), case, pid, plan, rate, tips)
+        rates.append(found)
+    return rates
+
+
+def compared(case: Case, gains: tuple[float, float, float]) -> list[dict]:
+    """The same of a case; the cache serves cases that differ in options of the tracking controller."""
+    return without_tracking(replace(case, name="", compensated=0.0), gains)
+
+
+def tracked(case: Case) -> list[dict]:
+    """Errors of the tracking controller at every rate."""
+    rates = []
+    for rate in RATES:
+        controller = deepcopy(led(planned_for(case), rate))
         plan = controller.plan
-        measured = {
-            "rate_Hz": rate,
-            "reason": controller.reason,
-            "planned_N": plan.most_force,
-            "passes": bool(controller.events),
-            "tracking": followed(changed(controller.model, case), case, controller, plan, rate, plan.tips),
-        }
-        rows.append(measured | without_tracking(replace(case, name="", compensated=0.0), rate, gains))
-    return {"name": case.name, "pressed": bool(case.distance < np.inf), "most_N": case.force, "rates": rows}
+        rates.append(
+            {
+                "rate_Hz": rate,
+                "reason": controller.reason,
+                "planned_N": plan.most_force,
+                "passes": bool(controller.events),
+                "tracking": followed(changed(controller.model, case), case, controller, plan, rate, plan.tips),
+            }
+        )
+    return rates
 
 
 def measure(run: Run) -> dict:
     """Rows of the table, and the gains of the PID by delay."""
     gains = {str(delay): run.once(f"gains {delay}", tuned, delay) for delay in (0, LATE)}
-    rows = [run.once(case.name, row, case, tuple(gains[str(case.delay)])) for case in CASES]
+    rows = []
+    for case in CASES:
+        alone = run.once(f"{case.name}: compared", compared, case, tuple(gains[str(case.delay)]))
+        pairs = zip(run.once(case.name, tracked, case), alone, strict=True)
+        rates = [tracking | others for tracking, others in pairs]
+        rows.append({"name": case.name, "pressed": case.distance < np.inf, "most_N": case.force, "rates": rates})
     options = {"force_N": FORCE, "margin_m": MARGIN, "low_force_N": LOW_FORCE, "low_margin_m": LOW_MARGIN}
     frequency = MovingFinger(round_finger(True), [*np.zeros(4), np.inf]).frequencies(np.zeros(4), 1)[0]
     return {"gains": gains, "rows": rows, "frequency_Hz": float(frequency)} | options

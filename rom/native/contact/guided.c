@@ -9,8 +9,6 @@ enum { POINT = TENSIONS_MOST + FINGERFEM_MOST_OBJECTS };
 #define STEPS 40        /* most steps of an increment */
 #define SETTLED 1e-10   /* converged: largest change of a tension over its box [-] */
 
-int32_t fingerfem_guides_memory(const fingerfem_chain *chain) { return fingerfem_chain_memory(chain) + guides_memory(chain); }
-
 /* Whether nothing is transmitted: no loads, and no weight. */
 static int unloaded(const fingerfem_chain *chain, const double *loads)
 {
@@ -76,7 +74,7 @@ int fingerfem_guides_advance(const fingerfem_touching *touching, const double *p
     int steps = 0, free = unloaded(chain, loads);
     for (int k = 0; k < chain->plates; k++)
         if (!chain->segments[k]->sixes) return 0;
-    guides_begin(chain, &goal, motors, memory + fingerfem_chain_memory(chain), &state);
+    guides_begin(chain, &goal, motors, guides_memory_in(chain, memory), &state);
     guides_predict(&state);
     /* of the free finger, and whether an object presses it there */
     if (free) {
@@ -89,32 +87,4 @@ int fingerfem_guides_advance(const fingerfem_touching *touching, const double *p
     *inside = !state.beyond;
     for (int j = 0; j < chain->tensions; j++) *inside &= wound[j] || motors[j] == point[j];
     return steps;
-}
-
-int fingerfem_guides_elements(const fingerfem_chain *chain, const double *gravity, const double *motors, const double *loads, double *memory,
-                              double *shortenings, double *yielding, double *bends)
-{
-    fingerfem_chain own = *chain;
-    const int t = chain->tensions;
-    const int32_t wound[TENSIONS_MOST] = {0};
-    double held[TENSIONS_MOST];
-    const guides_goal goal = {motors, wound};
-    chain_rods map;
-    chain_state placed;
-    guides_state state;
-    for (int k = 0; k < chain->plates; k++)
-        if (!chain->segments[k]->sixes) return 0;
-    if (gravity) memcpy(own.gravity, gravity, sizeof own.gravity);
-    guides_begin(&own, &goal, held, memory + fingerfem_chain_memory(chain), &state);
-    chain_placed(&own, motors, loads, memory, held, &map, &placed);
-    guides_under(&map, &state);
-    for (int k = 0; k < state.count; k++) {
-        const guides_element *element = state.elements + k;
-        for (int j = 0; j < t; j++) {
-            shortenings[t * element->number + j] = element->shortening[j];
-            yielding[t * element->number + j] = element->by_tensions[j][j];
-        }
-        bends[element->number] = element->bend;
-    }
-    return 1;
 }

@@ -4,6 +4,7 @@
 #include "inertia.h"
 #include "relaxation.h"
 #include "response.h"
+#include "../rod/guides.h"
 #include "../linear_algebra/small.h"
 
 #define SHARED 1e-9 /* added to the diagonal, over it, so that contacts of one normal share a force [-] */
@@ -152,7 +153,9 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     double begun[FINGERFEM_MOST_BODIES * FINGERFEM_MOVING], stopped[FINGERFEM_MOST_CONTACTS] = {0.0};
     acting_begin begin;
     contact_step step = {.inertia = inertia, .begun = begun, .length = length, .pressed = pressed, .begin = &begin};
-    double held[TENSIONS_MOST], seen[TENSIONS_MOST];
+    const double *tensions = chain.guides ? chain.guides->tensions : point;
+    double held[TENSIONS_MOST], seen[RELAXATION_TENSIONS];
+    fingerfem_guides guides;
     relaxation_step relaxation;
     chain_rods map;
     contact_state state;
@@ -164,10 +167,17 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
         if (base[i] != 0.0) step.turning = base + 3;
     const double d = contact_lead(&problem, point + t);
     /* bodies, and the wrenches of the last step */
-    memcpy(seen, point, (size_t)t * sizeof *seen);
+    const int seen_tensions = relaxation_tensions_of(&chain);
+    memcpy(seen, tensions, (size_t)seen_tensions * sizeof *seen);
     if (branches) relaxation_begin(&chain, branches, length, relaxing, &relaxation);
-    if (branches) relaxation_tensions(&relaxation, point, seen);
-    *inside = chain_clamped(&chain, seen, held);
+    if (branches) relaxation_tensions(&relaxation, tensions, seen);
+    *inside = 1;
+    for (int k = 0; k < seen_tensions; k += t) *inside &= chain_clamped(&chain, seen + k, held);
+    if (chain.guides) {
+        guides = *chain.guides;
+        guides.tensions = seen;
+        chain.guides = &guides;
+    }
     chain_set_tensions(&chain, held, memory, &map);
     if (branches) relaxation_set(&relaxation, &map);
     chain_contract(&map);
@@ -182,7 +192,8 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
     for (int b = 0; b < map.count; b++) *inside &= state.at.chain.bodies[b].end.inside;
     problem.step = &step;
     if (!(inertia->rests ? rest(&problem, &state, moving) : move(&problem, &state, moving, energy, stopped))) return -evaluations;
-    if (branches) relaxation_end(&relaxation, &map, point, relaxing);
+    if (branches) relaxation_end(&relaxation, &map, tensions, relaxing);
+    if (chain.guides) guides_leave(&map, memory);
     chain_leave_loads(&map, state.wrench, loads);
     forces_along(&problem, &state, stopped, forces);
     acting_leave(&state, pressed);

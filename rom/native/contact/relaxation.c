@@ -21,13 +21,18 @@ static double share_of(const relaxation_step *step, int n)
     return n < W * step->elements && n % W == TWIST ? 1.0 : 1.0 / (1.0 + step->branches->bulk);
 }
 
+int relaxation_tensions_of(const fingerfem_chain *chain)
+{
+    return chain->tensions * (chain->guides ? fingerfem_chain_loads(chain) / W : 1);
+}
+
 void relaxation_begin(const fingerfem_chain *chain, const fingerfem_branches *branches, double length, const double *relaxing,
                       relaxation_step *step)
 {
     const double *before = relaxing;
     step->branches = branches;
     step->elements = fingerfem_chain_loads(chain) / W;
-    step->loads = W * step->elements + chain->tensions;
+    step->loads = W * step->elements + relaxation_tensions_of(chain);
     step->sum = 1.0;
     /* exp(-x), g phi and G */
     for (int k = 0; k < branches->count; k++) {
@@ -72,8 +77,9 @@ static int loads_of(const chain_rods *map, const double *tensions, double *found
     for (int k = 0; k < map->chain->plates; k++)
         for (int e = 0; e < map->chain->segments[k]->elements; e++, count += W)
             memcpy(found + count, map->rods[k].elements[e].wrench, W * sizeof *found);
-    memcpy(found + count, tensions, (size_t)map->chain->tensions * sizeof *found);
-    return count + map->chain->tensions;
+    const int own = relaxation_tensions_of(map->chain);
+    memcpy(found + count, tensions, (size_t)own * sizeof *found);
+    return count + own;
 }
 
 void relaxation_end(const relaxation_step *step, const chain_rods *map, const double *tensions, double *relaxing)

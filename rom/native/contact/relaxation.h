@@ -3,8 +3,12 @@
 #define FINGERFEM_RELAXATION_H
 #include "../rod/chain.h"
 
-/* Loads of a chain: wrenches through all elements, segment by segment, each from its plate to its clamp, then the tensions. */
-enum { RELAXATION_LOADS = CHAIN_WRENCH + TENSIONS_MOST };
+/* Loads of a chain: wrenches through all elements, segment by segment, each from its plate to its clamp, then the tensions: one of every
+ * tendon or, with guides, those of all elements. */
+enum { RELAXATION_TENSIONS = MOST_BODIES * TENSIONS_MOST, RELAXATION_LOADS = CHAIN_WRENCH + RELAXATION_TENSIONS };
+
+/* Numbers of the latter. */
+int relaxation_tensions_of(const fingerfem_chain *chain);
 
 /* A step: laws see factors x load - offsets of every load, with factors by component of a wrench, the last of tensions. */
 typedef struct {
@@ -17,7 +21,7 @@ typedef struct {
 void relaxation_begin(const fingerfem_chain *chain, const fingerfem_branches *branches, double length, const double *relaxing,
                       relaxation_step *step);
 
-/* The tensions that laws see, (tensions). */
+/* The tensions that laws see. */
 void relaxation_tensions(const relaxation_step *step, const double *tensions, double *found);
 
 /* Have the rods of a chain take the step. */

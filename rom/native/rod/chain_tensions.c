@@ -1,5 +1,5 @@
 /* A chain at its tensions: memory, and the rods of its segments. */
-#include "chain.h"
+#include "guides.h"
 
 /* Whether a chain weighs. */
 static int weighs(const fingerfem_chain *chain)
@@ -12,7 +12,7 @@ int32_t fingerfem_chain_memory(const fingerfem_chain *chain)
 {
     int size = chain->masses ? (int)(sizeof(chain_weight) / sizeof(double)) : 0;
     for (int k = 0; k < chain->plates; k++) size += rod_memory(chain->segments[k], chain->guides != NULL) + rod_work(chain->segments[k]);
-    return size;
+    return chain->guides ? size + guides_memory(chain) : size;
 }
 
 int32_t fingerfem_chain_loads(const fingerfem_chain *chain)

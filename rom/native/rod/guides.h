@@ -43,8 +43,12 @@ static inline double guides_held(const guides_state *state, int j, double tensio
     return tensions_clamped(state->chain->lower[j], state->chain->upper[j], tension);
 }
 
-/* Numbers of memory for the elements of a chain. */
+/* Numbers of memory for the elements of a chain, the last ones of fingerfem_chain_memory. */
 int guides_memory(const fingerfem_chain *chain);
+static inline double *guides_memory_in(const fingerfem_chain *chain, double *memory)
+{
+    return memory + fingerfem_chain_memory(chain) - guides_memory(chain);
+}
 
 /* The elements at the end of the last increment, with the tensions at the motors, (tensions), then; those that are given are set. */
 void guides_begin(const fingerfem_chain *chain, const guides_goal *goal, double *motors, double *memory, guides_state *found);
@@ -56,6 +60,9 @@ void guides_predict(guides_state *state);
  * derivatives are by the tensions in each element itself. */
 void guides_without_wrench(guides_state *state);
 void guides_under(const chain_rods *map, guides_state *state);
+
+/* Leave the slips and bending of contracted rods under the wrenches that they were placed under last, in memory of a chain. */
+void guides_leave(const chain_rods *map, double *memory);
 
 /* One step of Newton's method, with the moves at the present tensions: where it changes nothing, these obey the law. Returns the largest
  * change of a tension over the width of its box; negative if the step is singular. */

@@ -63,16 +63,35 @@ void guides_under(const chain_rods *map, guides_state *state)
         const fingerfem_segment *segment = rod->segment;
         const int32_t *own = chain->own + chain->tensions * element->segment;
         const int law = segment->law_of[e];
-        double values[(1 + W) * POSE], by[T * POSE], *products = rod->products + e * rod->products_stride;
+        double values[(1 + W) * POSE], by[T * POSE], seen[W], *products = rod->products + e * rod->products_stride;
         /* pose under its wrench, then the shortenings of every six tendons, with the same products */
         element_by_tensions(segment, segment->law[law], rod_contracted(rod, e), products, by);
         bend_of(rod->elements[e].pose, segment->tensions, own, by, element);
+        rod_seen(rod, e, seen);
         for (int six = 0; six < segment->sixes; six++) {
             const fingerfem_law *shortening = segment->shortening[segment->sixes * law + six];
             element_contract(segment, shortening, rod_monomials(rod, e), rod->work);
-            element_pose(shortening, rod->work, rod->elements[e].wrench, products, values);
+            element_pose(shortening, rod->work, seen, products, values);
             element_by_tensions(segment, shortening, rod->work, products, by);
             leave_six(segment->tensions, own, SHORTENINGS_SIX * six, values, by, element);
         }
+    }
+}
+
+void guides_leave(const chain_rods *map, double *memory)
+{
+    const fingerfem_chain *chain = map->chain;
+    const int32_t wound[T] = {0};
+    const double wanted[T] = {0.0};
+    const guides_goal goal = {wanted, wound};
+    double motors[T], slips[T] = {0.0};
+    guides_state state;
+    guides_begin(chain, &goal, motors, guides_memory_in(chain, memory), &state);
+    guides_under(map, &state);
+    for (int k = 0; k < state.count; k++) {
+        const guides_element *element = state.elements + k;
+        for (int j = 0; j < chain->tensions; j++) slips[j] += element->shortening[j];
+        memcpy(chain->guides->slips + chain->tensions * element->number, slips, (size_t)chain->tensions * sizeof *slips);
+        chain->guides->bends[element->number] = element->bend;
     }
 }

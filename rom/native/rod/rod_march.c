@@ -146,8 +146,7 @@ int rod_pose(const rod_state *rod, int k)
     const rod_relaxation *relaxation = &rod->relaxation;
     rod_element *element = rod->elements + k;
     double seen[W];
-    memcpy(seen, element->wrench, sizeof seen);
-    for (int i = 0; i < W && relaxation->offsets; i++) seen[i] = relaxation->factors[i] * seen[i] - relaxation->offsets[W * k + i];
+    rod_seen(rod, k, seen);
     element_pose(law, rod_contracted(rod, k), seen, rod->products + k * rod->products_stride, element->pose);
     /* dpose/dw = factor dpose/dseen */
     for (int i = 0; i < W && relaxation->offsets; i++)

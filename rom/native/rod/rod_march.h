@@ -74,6 +74,16 @@ static inline const double *rod_tensions(const rod_state *rod, int k)
     return rod->guided ? rod->own_tensions + k * rod->segment->tensions : rod->tensions;
 }
 
+/* The wrench that an element's law sees, (6). */
+static inline void rod_seen(const rod_state *rod, int k, double *seen)
+{
+    const rod_relaxation *relaxation = &rod->relaxation;
+    for (int i = 0; i < ROD_WRENCH; i++) {
+        seen[i] = rod->elements[k].wrench[i];
+        if (relaxation->offsets) seen[i] = relaxation->factors[i] * seen[i] - relaxation->offsets[ROD_WRENCH * k + i];
+    }
+}
+
 /* Numbers of memory that a rod keeps, and that it works in. */
 int rod_memory(const fingerfem_segment *segment, int guided);
 int rod_work(const fingerfem_segment *segment);

@@ -70,7 +70,7 @@ def advance(touching: Any, arrays: GuideArrays, point: np.ndarray, wound: np.nda
         (2,) [J]; and whether all tensions are within their box.
     """
     work, inside = np.zeros(2), np.zeros(1, np.int32)
-    memory = np.empty(LIBRARY.functions.fingerfem_guides_memory(touching.chain))
+    memory = np.empty(LIBRARY.functions.fingerfem_chain_memory(touching.chain))
     given = np.array(point, float), np.array(wound, np.int32)
     steps = LIBRARY.functions.fingerfem_guides_advance(
         touching,
@@ -80,37 +80,6 @@ def advance(touching: Any, arrays: GuideArrays, point: np.ndarray, wound: np.nda
         pointer(inside, "int32_t[]"),
     )
     return steps, work, bool(inside[0])
-
-
-@brief
-class GuidedElements(NamedTuple):
-    """Elements of a finger with guides under loads.
-
-    Attributes:
-        shortenings: of the tendons in every element, shape (n, t) [m].
-        yielding: their derivatives by the tension there at fixed wrenches, shape (n, t) [m/N].
-        bends: of the elements, shape (n,) [rad].
-    """
-
-    shortenings: np.ndarray
-    yielding: np.ndarray
-    bends: np.ndarray
-
-
-def elements(
-    touching: Any, arrays: GuideArrays, motors: np.ndarray, loads: np.ndarray, gravity: np.ndarray | None = None
-) -> GuidedElements:
-    """The elements at the arrays' tensions, those of the motors, shape (t,) [N], and loads on all bodies [N, N m].
-
-    `gravity` is the acceleration by weight on a moving base, shape (3,) [m/s^2]; the chain's own if None.
-    """
-    shape = arrays.tensions.shape
-    result = GuidedElements(np.empty(shape), np.empty(shape), np.empty(shape[0]))
-    memory = np.empty(LIBRARY.functions.fingerfem_guides_memory(touching.chain))
-    weight = LIBRARY.ffi.NULL if gravity is None else pointer(np.array(gravity, float))
-    given = (np.array(motors, float), np.array(loads, float), memory)
-    LIBRARY.functions.fingerfem_guides_elements(touching.chain, weight, *map(pointer, given), *map(pointer, result))
-    return result
 
 
 @brief

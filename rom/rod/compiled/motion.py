@@ -54,7 +54,8 @@ class Stepper:
         if branches is not None:
             self.branches = len(branches["moduli"])
             more["branches"] = LIBRARY.struct("fingerfem_branches", count=self.branches, **branches)
-        self._bodies, relaxing = bodies, (6 * bodies + chain.tensions) * (1 + self.branches) * bool(self.branches)
+        tensions = chain.tensions * (bodies if chain.guides else 1)
+        self._bodies, relaxing = bodies, (6 * bodies + tensions) * (1 + self.branches) * bool(self.branches)
         self._touching = touching
         self._moves, self._rests = (
             LIBRARY.struct("fingerfem_inertia", **inertia, **more, rests=rests) for rests in (False, True)

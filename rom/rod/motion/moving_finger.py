@@ -30,6 +30,7 @@ from rom.rod.touched_rod import TouchedRod
 HALVINGS = 8  # largest number for a step without a solution
 ROUNDING = 1e-12  # relative error of a step's length [-]
 SHORTEST = 1e-6  # shortest step, in which the tolerance of positions is a kinetic energy of at most a nJ [s]
+LONG = 1.0  # step at rest in which the response of tendons that stick is measured [s]
 RADIUS = 0.8  # spectral radius of the method for high frequencies [-]
 
 
@@ -50,8 +51,7 @@ class MovingFinger:
         per_length: friction besides [N/m].
 
     Raises:
-        ModelError: no density, no initial equilibrium, more sections than compiled code supports, or friction of
-            tendons with rubber that relaxes.
+        ModelError: no density, no initial equilibrium, or more sections than compiled code supports.
 
     Example:
         >>> finger = rom.MovingFinger(rom.load(), [0.0, 0.0, 0.02], density=1100.0)
@@ -86,7 +86,8 @@ class MovingFinger:
         if not isinstance(parts, int) or parts < 1:
             raise ModelError(f"parts must be an integer of at least 1, got {parts}")
         gravity = weight | {"density": density, "plate_density": plate_density}  # masses for a base that moves, too
-        model = replace(model, rod=replace(model.rod, parts=parts, scene=model.rod.scene | {"gravity": gravity}))
+        if (model.rod.parts, model.rod.scene.get("gravity")) != (parts, gravity):
+            model = replace(model, rod=replace(model.rod, parts=parts, scene=model.rod.scene | {"gravity": gravity}))
         self.model, self.radius, self.time = model, radius, 0.0
         self.lumps = lumps_of(model.rod, density, plate_density)
         self._t = len(model.rod.names)
@@ -109,6 +110,8 @@ class MovingFinger:
         if state is None:
             raise ModelError(f"parameters must be where the finger can rest, got {self._point.tolist()}")
         self._state = state
+        if self._friction is not None:
+            self._friction.stick(lambda begun: self._stepper.step(begun, self._point, LONG, has_mass=False), state)
 
     def _compile(self) -> None:
         branches = branches_of(self.model.rod)
@@ -243,8 +246,8 @@ class MovingFinger:
         if self._friction is None:
             found = take(self._state)
         else:
-            gravity, kind = None if given is None else given[:3], (round(length, 9), at_rest)
-            found = self._friction.advance(take, self._state, self._stepper.loads, point[: self._t], gravity, kind)
+            kind = round(length, 9), at_rest
+            found = self._friction.advance(take, self._state, self._stepper.loads, point[: self._t], kind)
         if found is not None:
             self._state, self._base = found.state, base
         return found

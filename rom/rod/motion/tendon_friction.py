@@ -19,10 +19,8 @@ import numpy as np
 
 from rom.brief import brief
 from rom.files.checked_file import ModelError
-from rom.rod.compiled import guides
 from rom.rod.compiled.motion import Stepped
 from rom.rod.guides.guided_finger import GuidedFinger
-from rom.rod.motion.branches import branches_of
 from rom.rod.touched_rod import TouchedRod
 
 STIFF = 10.0  # of a guide that sticks, over that of its element by the tension in it [-]
@@ -41,12 +39,16 @@ class Sliding(NamedTuple):
     Attributes:
         tensions: in every element, shape (n, t) [N].
         slips: of the tendons at the elements' ends towards the motor, shape (n, t) [m].
+        speeds: mean ones of the slips over the step, shape (n, t) [m/s].
+        bends: of the elements, shape (n,) [rad].
         motors: tensions there, shape (t,) [N].
         dissipated: since the beginning [J].
     """
 
     tensions: np.ndarray
     slips: np.ndarray
+    speeds: np.ndarray
+    bends: np.ndarray
     motors: np.ndarray
     dissipated: float
 
@@ -61,32 +63,39 @@ class TendonFriction:
         per_length: likewise.
 
     Raises:
-        ModelError: what `GuidedFinger` refuses, no initial equilibrium, or rubber that relaxes.
+        ModelError: what `GuidedFinger` refuses, or no initial equilibrium.
     """
 
     def __init__(self, model: TouchedRod, point: np.ndarray, friction: float | Sequence[float], per_length: float):
-        if branches_of(model.rod) is not None:
-            raise ModelError(
-                "material.prony must be left out with friction of tendons, got branches, which have no guides"
-            )
         self._guided, t = GuidedFinger(model=model, friction=friction, per_length=per_length), len(model.rod.names)
-        begun = self._guided.arrays.motors.copy()
+        arrays = self._guided.arrays
+        begun = arrays.motors.copy()
         for share in np.arange(1, 1 + INCREMENTS) / INCREMENTS:
             between = point.copy()
             between[:t] = begun + share * (point[:t] - begun)
             if self._guided.advance(between).status != "converged":
                 raise ModelError(f"parameters must be where the finger can rest, got {point.tolist()}")
-        self._paths = _paths(model)
-        self._lower, self._upper = np.array([[one.lower, one.upper] for one in model.rod.parameters]).T
-        arrays = self._guided.arrays
         arrays.rates[:] = np.eye(t)  # derivatives are by every element's own tensions
-        found = self._elements(arrays.motors, arrays.loads)
-        rubs = (arrays.friction > 0) | (arrays.drag > 0)
-        self._stiffness = np.divide(STIFF, np.abs(found.yielding), out=np.zeros(rubs.shape), where=self._passed & rubs)
-        self._bends = found.bends
-        self.now = Sliding(arrays.tensions.copy(), self._slips(found), arrays.motors.copy(), 0.0)
-        self._kind: Any = None  # of the steps whose response is known
-        self._response = np.zeros((found.yielding.size,) * 2)
+        self._next, self._beyond = _paths(model)
+        self._passed = self._beyond.any(axis=1)
+        self._lower, self._upper = np.array([[one.lower, one.upper] for one in model.rod.parameters]).T
+        tensions, bends, slips, motors = (
+            one.copy() for one in (arrays.tensions, arrays.bends, arrays.slips, arrays.motors)
+        )
+        self.now = Sliding(tensions, slips, np.zeros_like(slips), bends, motors, 0.0)
+        self._kind: tuple[float, bool] | None = None  # of the steps whose response is known
+        self._rubs = self._passed & ((arrays.friction > 0) | (arrays.drag > 0))
+        self._response = np.zeros((self._rubs.size,) * 2)
+        self._drag = self._between(arrays.drag)
+        self._stiffness, self._soft = np.zeros(self._rubs.shape), np.ones(self._rubs.shape)
+
+    def stick(self, take: Taken, state: np.ndarray) -> None:
+        """Set the stiffness of guides that stick by steps that end at rest, from the initial equilibrium."""
+        take(state)  # slips accurate to the tolerance of positions, not of an increment's tensions
+        arrays = self._guided.arrays
+        self.now = self.now._replace(slips=arrays.slips.copy(), bends=arrays.bends.copy())
+        yielding = np.diag(self._measured(take, state, self.now.slips)).reshape(self._rubs.shape)
+        np.divide(STIFF, np.abs(yielding), out=self._stiffness, where=self._rubs)
 
     @property
     def touching(self) -> Any:
@@ -98,20 +107,12 @@ class TendonFriction:
         """On all bodies in the initial equilibrium, shape (l,) [N, N m]."""
         return self._guided.arrays.loads
 
-    @property
-    def _passed(self) -> np.ndarray:
-        """True if a tendon passes an element, shape (n, t)."""
-        found = np.zeros(self._guided.arrays.tensions.shape, bool)
-        for j, path in enumerate(self._paths):
-            found[path, j] = True
-        return found
-
     def place(self) -> None:
         """Give the elements their tensions at the end of the last step."""
         self._guided.arrays.tensions[:] = self.now.tensions
 
     def advance(
-        self, take: Taken, state: np.ndarray, loads: slice, motors: np.ndarray, gravity: np.ndarray | None, kind: Any
+        self, take: Taken, state: np.ndarray, loads: slice, motors: np.ndarray, kind: tuple[float, bool]
     ) -> Stepped | None:
         """A step to tensions at the motors; None without a solution: then tendons keep theirs.
 
@@ -120,129 +121,119 @@ class TendonFriction:
             state: where it begins, see `rom.rod.compiled.motion.Stepper`.
             loads: where a state has the loads on all bodies.
             motors: tensions, shape (t,) [N].
-            gravity: see `rom.rod.compiled.guides.elements`.
-            kind: steps of one kind have about the same response, such as those of one length.
+            kind: length of the step [s], and whether it ends at rest; steps of one kind have about the same response.
         """
         arrays, scale = self._guided.arrays, self._upper - self._lower
-        tensions, _, _ = self._march(motors, None, self.now.slips, self._bends)
+        tensions, slips, bends = self.now.tensions, self.now.slips + kind[0] * self.now.speeds, self.now.bends
+        found: Stepped | None = None
         for k in range(STEPS):
-            arrays.tensions[:] = tensions
+            missing, matrix, slide, inside = self._equations(tensions, motors, slips, bends)
+            change = np.linalg.solve(matrix, missing.ravel()).reshape(missing.shape)
+            if found is not None and np.abs(change / scale).max() < SETTLED:
+                taken = self._taken(tensions, slips, motors, slide)
+                speeds = (slips - self.now.slips) / kind[0]
+                self.now = Sliding(tensions, slips, speeds, bends, motors.copy(), self.now.dissipated + taken)
+                return found._replace(inside=found.inside and inside)
+            arrays.tensions[:] = tensions = self._held(tensions + change, motors)
             found = take(state)
             if found is None:
                 break
-            elements = self._elements(motors, found.state[loads], gravity)
-            slips = self._slips(elements)
-            if self._stiffness.any() and (k % RENEWED == RENEWED - 1 or self._kind != kind):
-                self._kind, self._response = kind, self._measured(take, state, loads, motors, gravity, slips)
-            wanted, by_slips, inside = self._march(motors, tensions, slips, elements.bends)
-            change = wanted - tensions
-            if np.abs(change / scale).max() < SETTLED:
-                self._bends, taken = elements.bends, self._taken(tensions, slips, motors)
-                self.now = Sliding(tensions, slips, motors.copy(), self.now.dissipated + taken)
-                return found._replace(inside=found.inside and inside)
-            state = state.copy()
+            state, slips, bends = state.copy(), arrays.slips.copy(), arrays.bends.copy()
             state[loads] = found.state[loads]
-            matrix = np.eye(change.size) - by_slips @ self._response
-            tensions = np.clip(
-                tensions + np.linalg.solve(matrix, change.ravel()).reshape(change.shape), self._lower, self._upper
-            )
+            if self._rubs.any() and (k % RENEWED == RENEWED - 1 or self._kind != kind):
+                self._kind, self._response = kind, self._measured(take, state, slips)
+                self._soft = 1 + self._stiffness * self._compliances()
         self.place()
         return None
 
-    def _elements(
-        self, motors: np.ndarray, loads: np.ndarray, gravity: np.ndarray | None = None
-    ) -> guides.GuidedElements:
-        return guides.elements(self.touching, self._guided.arrays, motors, loads, gravity)
+    def _held(self, tensions: np.ndarray, motors: np.ndarray) -> np.ndarray:
+        """Tensions within their limits; of a tendon without friction that of its motor."""
+        return np.where(self._rubs.any(axis=0), np.clip(tensions, self._lower, self._upper), motors)
 
-    def _slips(self, elements: guides.GuidedElements) -> np.ndarray:
-        """Shortenings from every tendon's plate to the end of each element, shape (n, t) [m]."""
-        found = np.zeros_like(elements.shortenings)
-        for j, path in enumerate(self._paths):
-            found[path, j] = np.cumsum(elements.shortenings[path, j])
-        return found
+    def _towards_motors(self, values: np.ndarray, motors: np.ndarray) -> np.ndarray:
+        """Values of the next elements towards the motors, or those there, shape (n, t)."""
+        return np.append(values, motors)[self._next]
+
+    def _between(self, values: np.ndarray) -> np.ndarray:
+        """Mean of values of elements and the next ones towards the motors, where there is none, shape (n, t)."""
+        own = self._passed * values
+        return np.asarray(0.5 * (own + self._towards_motors(own, np.zeros(own.shape[1]))))
+
+    def _equations(
+        self, tensions: np.ndarray, motors: np.ndarray, slips: np.ndarray, bends: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+        """Equations of Newton's method. Guides stick or slip by the forces that would stop their plastic slip.
+
+        Returns:
+            tensions by the law less the present ones, shape (n, t) [N]; the derivative of minus these by the present
+            ones, shape (n t, n t) [-]; true in guides that slip, shape (n, t); and whether all tensions are in the box.
+        """
+        arrays = self._guided.arrays
+        behind = self._towards_motors(tensions, motors)
+        grows = np.exp(self._between(arrays.friction * bends[:, None]))
+        room = behind * (grows - 1) + self._drag
+        elastic = self._forces(self.now.tensions, self.now.motors) + self._stiffness * (slips - self.now.slips)
+        trial = behind - tensions + (elastic - behind + tensions) / self._soft
+        pulled, let_out = trial > room / grows, trial < -room
+        force = np.where(pulled, room / grows, np.where(let_out, -room, elastic))
+        wanted = behind - force
+        held = self._held(wanted, motors)
+        gains = np.where(pulled, 1 / grows, np.where(let_out, grows, 1.0)) * (held == wanted)
+        sticks = self._stiffness * (held == wanted) * ~(pulled | let_out)
+        matrix = np.eye(slips.size) + sticks.reshape(-1, 1) * self._response
+        rows = np.flatnonzero(self._next < slips.size)  # all but those at motors
+        matrix[rows, self._next.flat[rows]] -= gains.flat[rows]
+        inside = bool((wanted <= self._upper).all() and ((motors >= self._lower) & (motors <= self._upper)).all())
+        return held - tensions, matrix, pulled | let_out, inside
 
     def _forces(self, tensions: np.ndarray, motors: np.ndarray) -> np.ndarray:
         """Forces of the guides, tau, shape (n, t) [N]."""
-        found = np.zeros_like(tensions)
-        for j, path in enumerate(self._paths):
-            found[path, j] = np.diff(tensions[path, j], append=motors[j])
-        return found
-
-    def _march(
-        self, motors: np.ndarray, tensions: np.ndarray | None, slips: np.ndarray, bends: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Tensions by the law at slips, shape (n, t) [N], their derivatives by these, and whether they are in the box.
-
-        With present tensions, guides stick or slip by the forces that would stop their plastic slip.
-        """
-        arrays, (n, t) = self._guided.arrays, slips.shape
-        elastic = self._forces(self.now.tensions, self.now.motors) + self._stiffness * (slips - self.now.slips)
-        trial = elastic
-        if tensions is not None:
-            forces, soft = self._forces(tensions, motors), 1 + self._stiffness * self._compliances()
-            trial = forces + (elastic - forces) / soft
-        found, by, inside = np.tile(motors, (n, 1)), np.zeros((n, t, n, t)), bool((motors <= self._upper).all())
-        for j, path in enumerate(self._paths):
-            tension, row, bend, drag = motors[j], np.zeros(n), 0.0, 0.0  # of the motor, then of the element behind
-            for k in path[::-1]:
-                grows = np.exp(arrays.friction[j] * 0.5 * (bends[k] + bend))
-                room = tension * (grows - 1) + 0.5 * (arrays.drag[k, j] + drag)
-                if trial[k, j] > room / grows:
-                    tension, row = tension - room / grows, row / grows
-                elif trial[k, j] < -room:
-                    tension, row = tension + room, row * grows
-                else:
-                    tension, row = tension - elastic[k, j], row.copy()
-                    row[k] -= self._stiffness[k, j]
-                held = min(max(tension, self._lower[j]), self._upper[j])
-                inside &= bool(tension <= self._upper[j])
-                tension, row = held, row * (held == tension)
-                found[k, j], by[k, j, :, j], bend, drag = tension, row, bends[k], arrays.drag[k, j]
-        return found, by.reshape(n * t, n * t), inside
+        return np.asarray(self._towards_motors(tensions, motors) - tensions)
 
     def _compliances(self) -> np.ndarray:
         """Slips of a tendon in a step through each guide by a unit of the guide's force, shape (n, t) [m/N]."""
-        shape = self._stiffness.shape
-        found, response = np.zeros(shape), self._response.reshape(*shape, *shape)
-        for j, path in enumerate(self._paths):  # tensions fall from the tip to the guide
-            found[path, j] = np.tril(response[path, j][:, path, j]).sum(axis=1)
-        return np.maximum(found, 0.0)
+        shape = self._rubs.shape  # tensions fall from the tip to the guide
+        return np.maximum(np.einsum("klj,kjlj->kj", self._beyond, self._response.reshape(*shape, *shape)), 0.0)
 
-    def _measured(
-        self,
-        take: Taken,
-        state: np.ndarray,
-        loads: slice,
-        motors: np.ndarray,
-        gravity: np.ndarray | None,
-        slips: np.ndarray,
-    ) -> np.ndarray:
+    def _measured(self, take: Taken, state: np.ndarray, slips: np.ndarray) -> np.ndarray:
         """Derivatives of all slips in a step by all tensions, shape (n t, n t) [m/N]."""
-        arrays, passed = self._guided.arrays, self._passed
+        arrays = self._guided.arrays
         kept, found = arrays.tensions.copy(), np.zeros((*slips.shape, slips.size))
-        for k, j in np.argwhere(passed & (self._stiffness > 0)):
+        for k, j in np.argwhere(self._rubs):
             size = DIFFERENCE * (self._upper[j] - self._lower[j])
             size = size if kept[k, j] + size <= self._upper[j] else -size
             arrays.tensions[k, j] += size
-            moved = take(state)
-            if moved is not None:
-                own = self._elements(motors, moved.state[loads], gravity)
-                found[:, :, np.ravel_multi_index((k, j), slips.shape)] = (self._slips(own) - slips) / size
+            if take(state) is not None:
+                found[:, :, np.ravel_multi_index((k, j), slips.shape)] = (arrays.slips - slips) / size
             arrays.tensions[:] = kept
         return found.reshape(slips.size, slips.size)
 
-    def _taken(self, tensions: np.ndarray, slips: np.ndarray, motors: np.ndarray) -> float:
+    def _taken(self, tensions: np.ndarray, slips: np.ndarray, motors: np.ndarray, slide: np.ndarray) -> float:
         """Work of friction on plastic slips in a step [J]: of its mean, or where it has turned, of its last force."""
         before, after = self._forces(self.now.tensions, self.now.motors), self._forces(tensions, motors)
-        elastic = np.divide(after - before, self._stiffness, out=np.zeros_like(after), where=self._stiffness > 0)
-        plastic = (slips - self.now.slips - elastic) * (self._stiffness > 0)
+        elastic = np.divide(after - before, self._stiffness, out=np.zeros_like(after), where=self._rubs)
+        plastic = (slips - self.now.slips - elastic) * slide
         mean = np.where(before * after > 0, (before + after) / 2, after)
         return float((mean * plastic).sum())
 
 
-def _paths(model: TouchedRod) -> list[np.ndarray]:
-    """Elements that each tension passes, from its plate to the motor, counted segment by segment, shapes (...,)."""
+def _paths(model: TouchedRod) -> tuple[np.ndarray, np.ndarray]:
+    """The elements behind each element of a tendon, and those from its plate to there.
+
+    Elements are counted segment by segment, each from its plate.
+
+    Returns:
+        the place of the next tension towards the motor among those of all elements, then of the motors, shape (n, t);
+        that of the motor where a tendon does not pass. Then true where an element is between the tendon's plate and
+        another one, or is that one, shape (n, n, t).
+    """
     rod = model.rod
     ends = np.cumsum([0, *map(len, rod.pieces)])
     order = [(segment, np.arange(ends[k], ends[k + 1])) for k, segment in reversed(list(enumerate(rod.segments)))]
-    return [np.concatenate([own for segment, own in order if name in segment.names]) for name in rod.names]
+    n, t = int(ends[-1]), len(rod.names)
+    behind, beyond = np.tile(n * t + np.arange(t), (n, 1)), np.zeros((n, n, t), bool)
+    for j, name in enumerate(rod.names):
+        path = np.concatenate([own for segment, own in order if name in segment.names])
+        behind[path[:-1], j] = path[1:] * t + j
+        beyond[path[:, None], path, j] = np.tri(len(path), dtype=bool)
+    return behind, beyond

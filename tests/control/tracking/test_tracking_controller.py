@@ -170,6 +170,23 @@ def test_readings_of_the_force_correct_it_on_a_softer_finger_before_a_nearer_pla
     assert errors[0] < 0.1 * errors[1]
 
 
+def test_an_error_of_the_force_at_first_contact_moves_the_tip_by_the_compliance_of_contact(pressing):
+    one, plan = copy.deepcopy(pressing), pressing.plan
+    while one.row < np.flatnonzero(plan.contact_forces > 0)[0]:
+        one.step(plan.contact_forces[one.row], tip=[0.047, *plan.goals[one.row]])
+    more, force, tip = copy.deepcopy(one), plan.contact_forces[one.row], [0.047, *plan.goals[one.row]]
+    changes = more.step(force + 0.1, tip=tip) - one.step(force, tip=tip)
+    moved = np.linalg.norm(plan.motions[one.row] @ changes)
+    assert 0 < moved < 0.1 / np.linalg.norm(plan.stiffness, axis=1).max()
+
+
+def test_a_fast_plan_of_elastic_rubber_keeps_tendons_tight_and_the_finger_in_its_domain():
+    path = circle([0.0, 0.0], 0.010, 4.0, 2e-3, 1.5)
+    controller = TrackingController(rom.load("round"), path, TrackingOptions(period=2e-3))
+    assert controller.reason == "" and controller.plan.tensions.min() > 0.1
+    assert controller.plan.deviation < 2e-5
+
+
 def test_friction_that_tensions_do_not_overcome_is_refused_with_the_row(finger):
     controller = TrackingController(finger, PATH[: LAP + 20], replace(OPTIONS, friction=20.0))
     assert controller.status == "unreachable"
