@@ -13,9 +13,7 @@ import numpy as np
 
 from rom.brief import brief
 
-DIRECTIONS = np.arange(
-    6
-)  # of a contact: its normal, two tangents, torsion about the normal, rolling about the tangents
+DIRECTIONS = np.arange(6)  # of a contact: its normal, two tangents, torsion, two of rolling
 
 
 @brief
