@@ -115,7 +115,8 @@ def _outline(quads: np.ndarray, node: np.ndarray, nodes: np.ndarray, is_half: bo
         sides = sides[np.abs(nodes[sides, 1]).max(axis=1) > SHARE * np.abs(nodes).max()]
     along = coo_matrix((np.ones(len(sides)), (sides[:, 0], sides[:, -1])), shape=(len(nodes),) * 2)
     part = connected_components(along, directed=False)[1]
-    sides = sides[part[sides[:, 0]] == part[sides.ravel()[nodes[sides.ravel(), 0].argmax()]]]
+    ends = sides[:, [0, -1]].ravel()  # a node amid a side is of no part
+    sides = sides[part[sides[:, 0]] == part[ends[nodes[ends, 0].argmax()]]]
     shares = np.zeros(len(nodes))
     lengths = np.linalg.norm(nodes[sides[:, -1]] - nodes[sides[:, 0]], axis=1)
     np.add.at(shares, sides, lengths[:, None] * ([1 / 2, 1 / 2] if size == 2 else [1 / 6, 4 / 6, 1 / 6]))

@@ -53,18 +53,27 @@ def test_means_are_those_of_the_polygons_between_the_nodes(order, hollow):
         assert found.weights @ nodes[:, 0] ** 2 == pytest.approx(second, rel=1e-9)
 
 
-def test_sides_of_order_two_are_curved_where_their_nodes_are():
-    """Three sides of a square are parabolas."""
+def bulging(half: float) -> tuple[np.ndarray, PlaneNodes]:
+    """A square, three sides of which are parabolas, in a box of half sides: its nodes, and what is known of them."""
     s, t = np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0])
     square = np.column_stack([s.ravel(), t.ravel()])
     nodes = square.copy()
     nodes[[1, 5, 7]] *= 1.3
     nodes[4] += (nodes[[1, 5, 7]] - square[[1, 5, 7]]).sum(axis=0) / 2
     corners = square[[0, 2, 6, 8]]
-    found = plane_nodes(nodes, corners, np.array([[0, 1, 2, 3]]), np.ones(2), False)
+    return nodes, plane_nodes(nodes, corners, np.array([[0, 1, 2, 3]]), np.full(2, half), False)
+
+
+def test_sides_of_order_two_are_curved_where_their_nodes_are():
+    nodes, found = bulging(1.0)
     segment = 2 / 3 * 2 * 0.3  # of a parabola, with its centroid at 2/5 of its height
     assert found.weights @ nodes[:, 0] == pytest.approx(segment * 1.12 / (4 + 3 * segment), rel=1e-12)
     assert found.weights @ nodes[:, 1] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_an_outline_whose_outermost_node_is_amid_a_side_has_corners():
+    nodes, found = bulging(1.3)
+    assert found.corners[0] @ nodes == pytest.approx(1.3 * CORNERS, abs=1e-12)
 
 
 @pytest.mark.parametrize("hollow", [False, True])
