@@ -13,6 +13,7 @@ import numpy as np
 
 from rom.brief import brief
 
+FRICTIONLESS = 1e-5  # MuJoCo's least coefficient of friction, mjMINMU [-, m]
 DIRECTIONS = np.arange(6)  # of a contact: its normal, two tangents, torsion, two of rolling
 
 
@@ -40,6 +41,7 @@ class Sticking:
         dimensions, addresses = all_.dim[contacts], all_.efc_address[contacts]
         own = (dimensions > 1) & (addresses >= 0)
         has = (DIRECTIONS > 0) & (dimensions[own, None] > DIRECTIONS)
+        has[:, 1:] &= all_.friction[contacts][own] > FRICTIONLESS
         self._chosen, self._rows = contacts[own], np.where(has, addresses[own, None] + DIRECTIONS, -1)
         geoms, places = all_.geom[self._chosen], all_.pos[self._chosen]
         if len(geoms) and len(self._geoms):
