@@ -18,7 +18,9 @@ def finish(
     """Print what a command found, on one rank: as JSON, as tables or as rows; and end with an exit code."""
     if rank != 0:
         raise SystemExit(code)
-    show(result, ["\n".join(rows(result))] if parts is None else parts, as_json, code)
+    if parts is None:
+        parts = ["\n".join(rows(result))]
+    show(result, parts, as_json, code)
 
 
 def rows(result: dict[str, Any], indent: str = "") -> Iterator[str]:

@@ -83,8 +83,8 @@ static void begin_with(const contact_problem *problem, contact_state *state, act
     }
 }
 
-/* The contact at the step's begin with the name of contact k, at about the same point; -1 if there is none. The search begins at `from`, as
- * contacts have about the same order. */
+/* Number of the contact at the beginning of the step that has the name and about the point of contact k; -1 for a new contact. The search begins
+ * at `from`: the order of contacts hardly changes in a step. */
 static int begun_as(const contact_problem *problem, const objects_contacts *now, int k, int from)
 {
     const acting_begin *begin = problem->step->begin;

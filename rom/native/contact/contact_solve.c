@@ -31,8 +31,8 @@
 #define CLOSER 3e-9     /* converged near rubber: its shape is not in the tangent, so a tenth of a step may be left */
 #define LONGEST 0.5     /* longest step [-] */
 #define MOVING 1e-6     /* converged in a step of time: of the trained loads, what the next step would be by quadratic convergence, after one */
-#define LINEAR 2        /* steps before that near rubber, where convergence is linear: what is left is in proportion to the motion, and after
-                           one step its work would add energy to a vibration, some percent in a second */
+#define LINEAR 2        /* least number of Newton steps near rubber, where convergence is linear: the work of the residual after one step
+                           added some percent of energy to a vibration in a second */
 #define TURNS 1e-5      /* likewise after PATIENT steps, where contacts of one edge press in turns [-] */
 #define SMALL 3e-4      /* below this, of which contact that slows the convergence leaves some 1e-3 [-] */
 

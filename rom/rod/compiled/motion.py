@@ -80,7 +80,7 @@ class Stepper:
         state = np.zeros(len(self._state))
         state[self.loads] = loads
         found = self.step(state, point, np.inf, has_mass=False)
-        return None if found is None else found.state
+        return found.state if found else None
 
     def linearised(self, point: np.ndarray, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """Mass matrix, and motions of all bodies by wrenches, shapes (6 bodies, 6 bodies), about an equilibrium.

@@ -155,7 +155,7 @@ class TendonFriction:
         return np.append(values, motors)[self._next]
 
     def _between(self, values: np.ndarray) -> np.ndarray:
-        """Mean of values of elements and the next ones towards the motors, where there is none, shape (n, t)."""
+        """Means of the values of each element and the next one towards the motor, whose value is 0, shape (n, t)."""
         own = self._passed * values
         return np.asarray(0.5 * (own + self._towards_motors(own, np.zeros(own.shape[1]))))
 
