@@ -206,6 +206,10 @@ class Simulation:
                 found[finger] += force[0]
         return found
 
+    def finger_of(self, geom: int) -> int:
+        """Index of the finger that a geom, given by its index, belongs to; -1 if none."""
+        return int(self._finger_of[geom])
+
     def wrenches(self) -> list[np.ndarray]:
         """Wrenches of the elements on every finger's sections, in their frames, shape (sections, 6) each [N, N m]."""
         return [one.wrenches.copy() for one in self.rubber]

@@ -89,11 +89,27 @@ class Solid:
         Returns:
             Axes are those of `Object.faces`, shape (samples, fingers, 3) [-]; downwards where a finger misses.
         """
-        hull, random = ConvexHull(self.corners), np.random.default_rng(0)
-        planes = np.unique(hull.equations.round(12), axis=0)  # of triangles
-        normals, ends = planes[:, :3], -planes[:, 3]
+        random = np.random.default_rng(0)
         errors = np.array([random_error(random) for _ in range(samples)]) / POSE_ERROR * self.uncertain
-        return np.stack([_faces(normals, ends, one, errors, self.grasped) for one in directions], axis=1)
+        return self._touched(directions, errors)[0]
+
+    def half_widths(self, directions: np.ndarray) -> np.ndarray:
+        """Distances from the axis of the faces that plates from directions, shape (fingers, 2), touch without an error.
+
+        Returns:
+            Shape (fingers,) [m]; -inf where a finger misses.
+        """
+        return self._touched(directions, np.zeros((1, 3)))[1][0]
+
+    def _touched(self, directions: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Inward normals, shape (errors, fingers, 3) [-], and distances, shape (errors, fingers) [m], of touched faces.
+
+        Errors of the pose, shape (errors, 3) [m].
+        """
+        planes = np.unique(ConvexHull(self.corners).equations.round(12), axis=0)  # of triangles
+        found = [_faces(planes[:, :3], -planes[:, 3], one, errors, self.grasped) for one in directions]
+        normals, distances = zip(*found, strict=True)
+        return np.stack(normals, axis=1), np.stack(distances, axis=1)
 
     def turned(self, angle: float) -> Solid:
         """Return it turned about its axis by an angle [rad]."""
@@ -131,8 +147,12 @@ class Solid:
 
 def _faces(
     normals: np.ndarray, ends: np.ndarray, direction: np.ndarray, errors: np.ndarray, height: float
-) -> np.ndarray:
-    """Inward normals of the faces that a plate's edge touches first, over pose errors, shape (errors, 3) [-]."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Inward normals of the faces that a plate's edge touches first, and distances from the axis, over pose errors.
+
+    Returns:
+        Shapes (errors, 3) [-] and (errors,) [m].
+    """
     across, tiny = np.array([-direction[1], direction[0]]), 1e-5
     rate = normals[:, :2] @ direction
     ahead, behind = rate > 1e-9, rate < -1e-9
@@ -158,7 +178,7 @@ def _faces(
     inward = np.concatenate([-rises, falls * across - direction], axis=1)
     misses = ~np.isfinite(inward).all(axis=1)
     inward[misses] = DOWNWARDS  # it passes by, or touches at the solid's upper or lower end
-    return inward / np.linalg.norm(inward, axis=1)[:, None]
+    return inward / np.linalg.norm(inward, axis=1)[:, None], farthest[:, 0]
 
 
 def random_solid(random: np.random.Generator, shape: str) -> Solid:

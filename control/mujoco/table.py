@@ -107,14 +107,16 @@ def tip_height(gripper: Gripper, rod: Rod, radius: float) -> float:
 def closing_at(gripper: Gripper, rod: Rod, radius: float) -> tuple[float, float, float]:
     """Lead tension of a free finger at a radius [N]; distances from the palm down to its inner edge and its end [m]."""
     finger, lead = gripper.fingers[0], gripper.model.lead
-    tensions, half = np.zeros(len(rod.names)), rod.half_lengths
-    leads, edges, ends = np.linspace(finger.lower[lead], finger.upper[lead], 200), list[np.ndarray](), list[float]()
-    for tension in leads:
-        tensions[lead] = tension
-        placed = rod.place(tensions)
-        inner, outer = (placed.centres[-1] + placed.rotations[-1] @ [half[0], y, 0.0] for y in (half[1], -half[1]))
-        edges.append(inner)
-        ends.append(max(inner[0], outer[0]))
-    x, y, _ = np.transpose(edges)
-    at = gripper.radius - radius + half[1]
-    return float(np.interp(at, y, leads)), float(np.interp(at, y, x)), float(np.interp(at, y, ends))
+    leads = np.linspace(finger.lower[lead], finger.upper[lead], 200)
+    tensions = np.zeros((len(leads), len(rod.names)))
+    tensions[:, lead] = leads
+    inner, outer = np.transpose([edges(rod, one) for one in tensions], (1, 2, 0))
+    at, ends = gripper.radius - radius + rod.half_lengths[1], np.maximum(inner[0], outer[0])
+    tension, edge, end = (float(np.interp(at, inner[1], one)) for one in (leads, inner[0], ends))
+    return tension, edge, end
+
+
+def edges(rod: Rod, tensions: np.ndarray) -> np.ndarray:
+    """Inner and outer edge of the last plate of a free finger at tensions, shape (2, 3), in the clamp's axes [m]."""
+    placed, (along, inwards, _) = rod.place(tensions), rod.half_lengths
+    return placed.centres[-1] + np.array([[along, inwards, 0.0], [along, -inwards, 0.0]]) @ placed.rotations[-1].T

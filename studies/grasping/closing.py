@@ -21,36 +21,41 @@ class Closing:
     Attributes:
         wanted: contact forces in the end, shape (fingers,) [N]; `share` of them are the targets now [-].
         most: force that crushes it [N]; no finger squeezes or lifts that feels more than SAFE of it.
-        radius: half-width of what is grasped [m]; nan if it is unknown.
+        half_widths: distances of the faces from the solid's centre, shape (fingers,) [m]; nan if they are unknown.
         uncertain: largest error of the position of its faces [m].
         off_centre: largest distance of its centre from the gripper's axis [m], which three fingers measure.
+        planned: distance of its centre above which fingers do not squeeze, but are to close again about the centre [m].
         doubt: why not to squeeze or to lift; empty if there is no reason.
+        again: whether fingers are to close again.
     """
 
     gripper: Gripper
     grips: list[Grip]
     wanted: np.ndarray
     most: float = np.inf
-    radius: float = np.nan
+    half_widths: np.ndarray | float = np.nan
     uncertain: float = np.inf
     off_centre: float = np.inf
+    planned: float = np.inf
     share: float = GENTLY
     squeezing: bool = field(default=False, init=False)
+    again: bool = field(default=False, init=False)
     doubt: str = field(default="", init=False)
 
     @property
     def ended(self) -> bool:
         """True if all fingers hold their forces, or are not to go on."""
-        return bool(self.doubt) or (self.share >= 1.0 and all(grip.done for grip in self.grips))
+        return bool(self.doubt) or self.again or (self.share >= 1.0 and all(grip.done for grip in self.grips))
 
     def targets(self) -> np.ndarray:
         """Contact forces from now on, shape (fingers,) [N]: all squeeze once all have touched."""
         self.doubt = self.doubt or self.doubt_now()
-        if self.doubt:
+        if self.doubt or self.again:
             return self.share * self.wanted
         if self.squeezing or all(grip.stage == "hold" for grip in self.grips):
-            self.squeezing, self.doubt = True, self.misplaced()
-            if not self.doubt:
+            self.again = not self.squeezing and float(np.linalg.norm(self.centre)) > self.planned
+            self.squeezing, self.doubt = True, "" if self.again else self.misplaced()
+            if not self.ended:
                 self.share = min(self.share + (1 - GENTLY) * self.grips[0].period / SQUEEZE, 1.0)
         return self.share * self.wanted
 
@@ -68,14 +73,23 @@ class Closing:
             f"finger {k}: {grip.status}" for k, grip in enumerate(self.grips) if grip.status != "converged"
         )
 
+    @property
+    def centre(self) -> np.ndarray:
+        """Centre of the solid from the gripper's axis, as three fingers measure it; nan for fewer, shape (2,) [m]."""
+        return self.gripper.locate(self.distances + self.half_widths)[0]
+
+    @property
+    def distances(self) -> np.ndarray:
+        """Distances of faces from open fingers, as measured, shape (fingers,) [m]."""
+        return np.array([grip.distance for grip in self.grips])
+
     def misplaced(self) -> str:
         """Which face is not where it should be, so that it is another, or has moved or tipped."""
-        distances = np.array([grip.distance for grip in self.grips])
-        off = distances - (self.gripper.radius - self.radius)
+        off = self.distances - (self.gripper.radius - self.half_widths)
         worst = int(np.argmax(np.abs(off)))
         if abs(off[worst]) > self.uncertain:
             return f"finger {worst} finds its face {1000 * abs(off[worst]):.1f} mm from where it should be"
-        away = float(np.linalg.norm(self.gripper.locate(distances)[0]))
+        away = float(np.linalg.norm(self.centre))
         if away > self.off_centre:
             return f"the solid is {1000 * away:.1f} mm from the gripper's axis"
         return ""

@@ -12,6 +12,7 @@ from control import Gripper
 from control.grasping.grasp_controller import Grip
 from control.loop import run
 from control.mujoco import MujocoPlant, Simulation
+from control.mujoco.table import edges
 from rom import Rod
 from studies.grasping.trials import PERIOD
 
@@ -19,8 +20,8 @@ RAISED = 0.015  # height of the gripper above its planned position at the start 
 CRUSHING = 0.02  # [s]: blows of rigid bodies that are shorter crush nothing
 FELT = 0.15  # of the held force: a change by so much is the table's, when a solid is put down [-]
 SLOWLY = 0.005  # speed at which a solid approaches the table [m/s]
-# Fingers that open become longer: so they open where they cannot be pressed on the table.
-CLEAR, CLEARING, OPENING = 0.002, 0.2, 0.6  # how far above it [m]; how long that and opening take [s]
+CLEAR, OPENING = 0.002, 0.6  # how much higher than open fingers get longer the arm goes [m], and how long it takes [s]
+SHARES = np.linspace(0.0, 1.0, 51)  # of the way from tensions to others
 TOGETHER = 4  # periods after which it is decided whether to go on
 Look = Callable[[Simulation], None]
 
@@ -70,7 +71,7 @@ class Hand:
 
     def look(self) -> None:
         """Record contact forces."""
-        self.forces.append(self.simulation.contact_forces())
+        self.forces.append(self.on_solid())
         lately = self.forces[-round(CRUSHING / PERIOD) :]
         hard = float(np.mean(lately, axis=0).max())
         if hard > self.hardest:
@@ -110,19 +111,44 @@ class Hand:
         self.release(tensions)
 
     def release(self, tensions: np.ndarray) -> None:
-        """Go up at tensions, shape (fingers, tensions) [N], and open: fingers that stick would first press harder."""
-        self.mount[2] += CLEAR
-        self.stay(tensions, CLEARING)
+        """Open from tensions, shape (fingers, tensions) [N]."""
         self.phase = "open"
-        self.stay(np.zeros_like(self.simulation.wanted), OPENING)
+        self.open(tensions, np.zeros_like(tensions))
 
-    def stay(self, tensions: np.ndarray, seconds: float) -> None:
-        """Hold tensions, shape (fingers, tensions) [N], for a time [s]."""
-        for finger, pulled in enumerate(tensions):
-            self.simulation.pull(finger, pulled)
-        for _ in range(round(seconds / PERIOD)):
-            self.simulation.advance(self.simulation.time + PERIOD)
+    def open(self, tensions: np.ndarray, goal: np.ndarray) -> None:
+        """Change tensions to others, shapes (fingers, tensions) [N], as far as the arm has gone up.
+
+        A finger gets longer with less tension, and one that sticks to a solid on a table would press it harder.
+        So the lower edge of a free finger's plate does not get lower.
+        """
+        ways = tensions[:, None] + SHARES[:, None] * (goal - tensions)[:, None]
+        depths = np.array([[edges(self.rod, one)[:, 0].max() for one in way] for way in ways])
+        longer = np.maximum.accumulate(depths - depths[:, :1], axis=1)
+        begun, steps, rises = self.height, round(OPENING / PERIOD), float(longer[:, -1].max()) + CLEAR
+        for step in range(steps):
+            self.mount[2] = begun + rises * (step + 1) / steps
+            shares = np.array([np.interp(self.height - begun, one, SHARES) for one in longer])
+            self.pull(tensions + shares[:, None] * (goal - tensions))
             self.look()
+
+    def move(self, place: np.ndarray, seconds: float) -> None:
+        """Move the arm to a place, shape (3,) [m], in a time [s]; tensions stay."""
+        begun, steps = self.mount[:3].copy(), round(seconds / PERIOD)
+        for step in range(steps):
+            self.mount[:3] = begun + (place - begun) * (step + 1) / steps
+            self.pull(self.simulation.wanted.copy())
+            self.look()
+
+    def on_solid(self) -> np.ndarray:
+        """Contact forces of fingers on the solid, without those on each other, shape (fingers,) [N]."""
+        model, data = self.simulation.model, self.simulation.data
+        found, force, solid = np.zeros(len(self.driven)), np.zeros(6), model.geom("object").id
+        for k, pair in enumerate(data.contact.geom):
+            if solid in pair:
+                finger = self.simulation.finger_of(pair[0] + pair[1] - solid)
+                mujoco.mj_contactForce(model, data, k, force)
+                found[finger] += force[0] * (finger >= 0)
+        return found
 
     def on_table(self) -> float:
         """True height of the arm at which the palm is on the table [m]."""

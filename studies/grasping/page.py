@@ -48,6 +48,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "meshes": sum(row["shape"] == "mesh" for row in rows),
         "possible": len(rows) - len(impossible),
         "failures": [row | {"why": why(row)} for fate in ("let go", "dropped", "crushed") for row in fates[fate]],
+        "again": sum(row["again"] for row in moved),
         "failed": len(fates["dropped"] + fates["crushed"]),
         "table": max(row["table_error"] for row in moved),
         "beside": {

@@ -15,7 +15,7 @@ from control.mujoco.layouts import FINGERS, Layout, best_layout
 from control.mujoco.solids import POSE_ERROR, Solid
 from control.mujoco.table import STEP, closing_at, table
 from rom import TouchedSegment
-from studies.grasping.approach import bend, feel_table, yield_to
+from studies.grasping.approach import LOWERING, bend, feel_table, yield_to
 from studies.grasping.closing import GENTLY, SQUEEZE, Closing
 from studies.grasping.hand import TOGETHER, Hand, Look
 from studies.grasping.trials import PERIOD, Trial
@@ -104,6 +104,7 @@ def perform(hand: Hand, one: Trial, layout: Layout) -> dict[str, Any]:
     height, table_error = approach(hand, one, layout)
     closing = close(hand, one, layout)
     row: dict[str, Any] = {"closing_seconds": hand.simulation.time, "table_error": table_error}
+    row |= {"again": bool(np.isinf(closing.planned))}
     row |= {"beside": hand.beside(), "tilted": hand.tilt()}
     doubt = closing.doubt or closing.failed()
     if not doubt:
@@ -143,7 +144,25 @@ def approach(hand: Hand, one: Trial, layout: Layout) -> tuple[float, float]:
 
 
 def close(hand: Hand, one: Trial, layout: Layout) -> Closing:
-    """Close until all fingers hold their contact forces, one has given up, or it takes too long."""
+    """Close; where a gentle touch locates the solid farther from the axis than planned, close again about its centre.
+
+    A solid aside is squeezed by fingers of different lengths: their contact points differ in height, and it tips.
+    """
+    bent, height = hand.simulation.wanted.copy(), float(hand.mount[2])
+    closing = closed(hand, one, layout, planned=max(FOUND[:2]))
+    if closing.again:
+        hand.open(hand.simulation.wanted.copy(), bent)
+        centre = closing.centre * min(1.0, POSE_ERROR / float(np.linalg.norm(closing.centre)))
+        hand.move(np.append(hand.mount[:2] + centre, height), LOWERING)
+        closing = closed(hand, one, layout)
+    return closing
+
+
+def closed(hand: Hand, one: Trial, layout: Layout, planned: float = np.inf) -> Closing:
+    """Close until all fingers hold their contact forces, one has given up, or it takes too long.
+
+    Fingers that locate the solid farther from the axis than planned [m] do not squeeze.
+    """
     gripper, solid, wanted = layout.gripper, layout.solid, layout.targets.contact_forces
     share = max(GENTLY, one.least_felt / float(wanted.min()))
     options = gripper.options(float(wanted.min()), one.flaws.noise, one.flaws.delay, PERIOD, TOLERANCE)
@@ -153,9 +172,10 @@ def close(hand: Hand, one: Trial, layout: Layout) -> Closing:
         grips=gripper.grips(share * wanted, options),
         wanted=wanted,
         most=solid.admissible_force,
-        radius=solid.radius,
+        half_widths=solid.turned(layout.turn).half_widths(gripper.directions),
         uncertain=1.5 * POSE_ERROR,
         off_centre=POSE_ERROR,
+        planned=planned,
         share=share,
     )
     for grip, tensions in zip(closing.grips, hand.simulation.wanted, strict=True):

@@ -7,8 +7,9 @@ mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco.solids import SHAPES  # noqa: E402
 from rom import Rod, TouchedSegment  # noqa: E402
-from studies.grasping.task import FOUND, STEP, approach, attempt, close, over, planned  # noqa: E402
-from studies.grasping.trials import trial  # noqa: E402
+from studies.grasping.hand import CLEAR, OPENING  # noqa: E402
+from studies.grasping.task import FOUND, STEP, approach, attempt, close, closed, over, planned  # noqa: E402
+from studies.grasping.trials import PERIOD, trial  # noqa: E402
 from tests.control.mujoco.dragged_wall import DRAG, SOFT, before_a_wall, sliding  # noqa: E402
 
 
@@ -55,10 +56,68 @@ def test_fingers_find_the_table_and_the_arm_the_solid(model):
     assert hand.hardest < one.solid.admissible_force
 
 
+def test_a_solid_that_fingers_locate_aside_is_closed_about_again(model):
+    """A cylinder, which tips if fingers squeeze it there."""
+    one = trial(137, "cylinder")
+    layout = planned(model, one)
+    first, second = (over(model, one, layout) for _ in range(2))
+    for hand in (first, second):
+        approach(hand, one, layout)
+    touch = closed(first, one, layout, max(FOUND[:2]))
+    solid, palm = (first.simulation.data.body(name).xpos[:2] for name in ("object", "palm"))
+    assert touch.again and touch.ended and touch.share < 1
+    assert np.linalg.norm(touch.centre) > max(FOUND[:2]) and touch.centre == pytest.approx(solid - palm, abs=5e-4)
+    closing = close(second, one, layout)
+    assert not closing.failed() and closing.share == 1
+    assert second.beside() < 5e-4 and second.tilt() < np.radians(0.5)
+
+
+def test_a_mesh_is_expected_where_its_own_faces_are(model):
+    """It is twice as long as wide: its faces are up to 6 mm from its mean half-width."""
+    one = trial(214, "mesh")
+    layout = planned(model, one)
+    widths = layout.solid.turned(layout.turn).half_widths(layout.gripper.directions)
+    assert np.abs(widths - layout.solid.radius).max() > 5e-3
+    distances = layout.gripper.radius - widths - layout.gripper.directions @ [0.001, -0.002]
+    hand = over(model, one, layout)
+    approach(hand, one, layout)
+    closing = closed(hand, one, layout, 0.0)
+    for grip, distance in zip(closing.grips, distances, strict=True):
+        grip.distance = distance
+    assert closing.centre == pytest.approx([0.001, -0.002]) and not closing.misplaced()
+
+
 def test_what_cannot_be_held_is_refused_before_anything_moves(model):
     row = attempt(model, trial(0, "box"))
     assert (row["fate"] == "refused" and "N" in row["reason"]) or "slip" in row["reason"]
     assert "closing_seconds" not in row
+
+
+@pytest.mark.parametrize("number", [223, *(pytest.param(one, marks=pytest.mark.long) for one in (133, 213))])
+def test_a_cone_that_tipped_in_the_grip_is_pressed_less_when_fingers_open(model, number):
+    """Fingers that open at once press it with up to 1.8 times the admissible force."""
+    one = trial(number, "cone")
+    layout = planned(model, one)
+    hand = over(model, one, layout)
+    approach(hand, one, layout)
+    closing = closed(hand, one, layout)  # aside: it tips
+    assert closing.doubt and hand.tilt() > np.radians(2)
+    hand.release(np.array([grip.tensions for grip in closing.grips]))
+    assert hand.hardest_in == "close" and hand.hardest < one.solid.admissible_force
+    assert not hand.on_solid().any()
+
+
+def test_plates_do_not_get_lower_while_fingers_open(model):
+    one = trial(12, "cylinder")
+    layout = planned(model, one)
+    hand = over(model, one, layout)
+    approach(hand, one, layout)
+    lowest = list[float]()
+    hand.looks.append(lambda simulation: lowest.append(simulation.data.body("finger 0 plate 0").xpos[2]))
+    rises = hand.height
+    hand.open(hand.simulation.wanted.copy(), np.zeros_like(hand.simulation.wanted))
+    assert len(lowest) == round(OPENING / PERIOD) and min(lowest) > lowest[0] - 2e-4
+    assert not hand.simulation.wanted.any() and hand.height - rises > CLEAR
 
 
 @pytest.mark.long

@@ -51,6 +51,17 @@ def test_a_finger_that_passes_a_solid_by_meets_a_face_that_carries_nothing():
     assert (replace(ball, grasped=3 * ball.radius).faces(THREE) == [1.0, 0.0, 0.0]).all()
 
 
+def test_half_widths_are_those_of_the_faces_that_plates_touch():
+    box, cone, ball = (random_solid(np.random.default_rng(2), shape) for shape in ("box", "cone", "sphere"))
+    along = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+    assert box.half_widths(along) == pytest.approx([box.size[0], box.size[1], box.size[0]], rel=1e-9)
+    assert box.turned(np.pi / 2).half_widths(along) == pytest.approx([box.size[1], box.size[0], box.size[1]], rel=1e-9)
+    assert cone.half_widths(THREE) == pytest.approx(np.full(3, cone.radius), rel=3e-3)
+    aside = replace(ball, corners=np.add(ball.corners, [0.001, 0.0, 0.0]))
+    assert aside.half_widths(along)[[0, 2]] - ball.half_widths(along)[[0, 2]] == pytest.approx([0.001, -0.001])
+    assert (replace(ball, grasped=3 * ball.radius).half_widths(THREE) == -np.inf).all()
+
+
 def test_a_box_tips_over_its_nearer_edge_and_a_solid_on_its_corner_falls():
     box, ball = (random_solid(np.random.default_rng(4), shape) for shape in ("box", "sphere"))
     assert box.tipping_force == pytest.approx(box.mass * GRAVITY * min(box.size[:2]) / box.grasped)
