@@ -119,10 +119,10 @@ class Hand:
         """Change tensions to others, shapes (fingers, tensions) [N], as far as the arm has gone up.
 
         A finger gets longer with less tension, and one that sticks to a solid on a table would press it harder.
-        So the lower edge of a free finger's plate does not get lower.
+        So the inner edge of a free finger's plate, which touches, does not get lower.
         """
         ways = tensions[:, None] + SHARES[:, None] * (goal - tensions)[:, None]
-        depths = np.array([[edges(self.rod, one)[:, 0].max() for one in way] for way in ways])
+        depths = np.array([[edges(self.rod, one)[0, 0] for one in way] for way in ways])
         longer = np.maximum.accumulate(depths - depths[:, :1], axis=1)
         begun, steps, rises = self.height, round(OPENING / PERIOD), float(longer[:, -1].max()) + CLEAR
         for step in range(steps):

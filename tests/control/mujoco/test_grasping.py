@@ -5,8 +5,9 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from control.mujoco.solids import SHAPES  # noqa: E402
+from control.mujoco.solids import POSE_ERROR, SHAPES  # noqa: E402
 from rom import Rod, TouchedSegment  # noqa: E402
+from studies.grasping.closing import Closing  # noqa: E402
 from studies.grasping.hand import CLEAR, OPENING  # noqa: E402
 from studies.grasping.task import FOUND, STEP, approach, attempt, close, closed, over, planned  # noqa: E402
 from studies.grasping.trials import PERIOD, trial  # noqa: E402
@@ -78,13 +79,14 @@ def test_a_mesh_is_expected_where_its_own_faces_are(model):
     layout = planned(model, one)
     widths = layout.solid.turned(layout.turn).half_widths(layout.gripper.directions)
     assert np.abs(widths - layout.solid.radius).max() > 5e-3
-    distances = layout.gripper.radius - widths - layout.gripper.directions @ [0.001, -0.002]
-    hand = over(model, one, layout)
-    approach(hand, one, layout)
-    closing = closed(hand, one, layout, 0.0)
-    for grip, distance in zip(closing.grips, distances, strict=True):
-        grip.distance = distance
-    assert closing.centre == pytest.approx([0.001, -0.002]) and not closing.misplaced()
+    gripper, wanted = layout.gripper, layout.targets.contact_forces
+    distances = gripper.radius - widths - gripper.directions @ [0.001, -0.002]
+    for half_widths, doubt in ((widths, ""), (np.full(4, layout.solid.radius), "finds its face")):
+        closing = Closing(gripper, gripper.grips(wanted), wanted, half_widths=half_widths, uncertain=1.5 * POSE_ERROR)
+        for grip, distance in zip(closing.grips, distances, strict=True):
+            grip.distance = distance
+        assert doubt in closing.misplaced() and bool(doubt) == bool(closing.misplaced())
+        assert doubt or closing.centre == pytest.approx([0.001, -0.002])
 
 
 def test_what_cannot_be_held_is_refused_before_anything_moves(model):
@@ -103,21 +105,30 @@ def test_a_cone_that_tipped_in_the_grip_is_pressed_less_when_fingers_open(model,
     closing = closed(hand, one, layout)  # aside: it tips
     assert closing.doubt and hand.tilt() > np.radians(2)
     hand.release(np.array([grip.tensions for grip in closing.grips]))
-    assert hand.hardest_in == "close" and hand.hardest < one.solid.admissible_force
+    assert hand.hardest < 0.8 * one.solid.admissible_force
     assert not hand.on_solid().any()
 
 
-def test_plates_do_not_get_lower_while_fingers_open(model):
+def test_edges_that_touch_do_not_get_lower_while_fingers_open(model):
     one = trial(12, "cylinder")
     layout = planned(model, one)
     hand = over(model, one, layout)
-    approach(hand, one, layout)
-    lowest = list[float]()
-    hand.looks.append(lambda simulation: lowest.append(simulation.data.body("finger 0 plate 0").xpos[2]))
-    rises = hand.height
+    hand.simulation.wanted[:, layout.gripper.model.lead] = 50.0
+    hand.move(np.array([0.0, 0.0, 0.05]), 0.3)  # above the solid
+    hand.move(hand.mount[:3].copy(), 0.2)  # at rest
+    heights, begun = list[float](), hand.height
+    compiled = hand.simulation.model
+    body = compiled.body("finger 0 plate 0")
+    plate = compiled.geom(int(body.geomadr[0] + body.geomnum[0] - 1))
+
+    def look(simulation):
+        at = simulation.data.geom(plate.id)
+        heights.append(float(at.xpos[2] + at.xmat[6:8] @ plate.size[:2]))
+
+    hand.looks.append(look)
     hand.open(hand.simulation.wanted.copy(), np.zeros_like(hand.simulation.wanted))
-    assert len(lowest) == round(OPENING / PERIOD) and min(lowest) > lowest[0] - 2e-4
-    assert not hand.simulation.wanted.any() and hand.height - rises > CLEAR
+    assert len(heights) == round(OPENING / PERIOD) and min(heights) > heights[0] - 1e-4
+    assert not hand.simulation.wanted.any() and hand.height - begun > 3 * CLEAR
 
 
 @pytest.mark.long
