@@ -46,12 +46,10 @@ class RubberContacts:
         finger_of = np.full(model.ngeom, -1, np.int32)  # of blocks of rubber
         is_object = np.array([is_known(model, geom) for geom in range(model.ngeom)])
         for k, one in enumerate(rubber):
-            rod = one.attached.rod
             is_object[np.isin(model.geom_bodyid, one.bodies)] = False
-            blocks = [body.blocks for body in bodies_of(rod)] if all(s.outlines for s in rod.segments) else []
-            for body, own in zip(one.bodies, blocks, strict=False):
+            for body, own in zip(one.bodies, bodies_of(one.attached.rod), strict=True):
                 first = model.body_geomadr[body]
-                finger_of[[first + j for j, block in enumerate(own) if not block.is_plate]] = k
+                finger_of[[first + j for j, block in enumerate(own.blocks) if not block.is_plate]] = k
         near, met = (CONTROL.ffi.new("control_near *[]", len(rubber) * model.ngeom) for _ in range(2))
         self._kept = finger_of, is_object, near, met
         values = {"fingers": len(rubber), "geoms": model.ngeom, "near": near, "met": met}
