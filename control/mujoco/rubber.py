@@ -30,6 +30,7 @@ class Rubber:
         bodies: indices of its clamp and sections, shape (n + 1,).
         wrenches: of the elements' laws at the current poses, in the sections' frames, shape (n, 6) [N, N m].
         inside: whether elements are within their trained domain, and reach the pose, shape (n, 2).
+        struct: control_sections.
 
     Args:
         model: compiled.
@@ -43,7 +44,7 @@ class Rubber:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, attached: Attached):
         check(model, attached)
         self._arguments, rod, n = (model, data, attached), attached.rod, len(attached.sections)
-        self.attached = attached
+        self.attached, self._loads = attached, np.zeros(len(rod.names))
         self.bodies = np.array([model.body(one).id for one in (attached.clamp, *attached.sections)])
         joints = [model.joint(one[0]).id for one in attached.joints]
         self.positions, self.velocities = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
@@ -58,19 +59,21 @@ class Rubber:
                 pulled[len(elements), : len(own)] = own
                 elements.append(one)
         integers = {"pulled": pulled, "positions": self.positions, "velocities": self.velocities}
+        integers |= {"bodies": self.bodies[1:], "geoms": model.body_geomadr[self.bodies[1:]]}
         integers["inertia"] = np.array([_places(model, int(one)) for one in self.velocities])
         arrays = {name: getattr(data, name) for name in ("qpos", "qvel", "qfrc_applied", "M")} | self._state
         arrays["offsets"] = np.array([[one.length, 0.0, 0.0] for one in bodies_of(rod)[1:]])
-        memory = max((memory_of(one) for one in elements), key=len)
+        arrays |= {"loads": self._loads, "places": np.zeros((n, 3)), "rotations": np.zeros((n, 3, 3))}
+        memory = max((memory_of(one) for one in (*elements, rod.struct)), key=len)
         integers = {name: np.ascontiguousarray(one, np.int32) for name, one in integers.items()}
         pointers = CONTROL.ffi.new("fingerfem_segment *[]", elements)
         self._kept = arrays, integers, elements, memory, pointers
-        self._loads = np.zeros(len(rod.names))
-        self._given = pointer(self._loads), pointer(self.inside, "int32_t[]")
-        self._struct = CONTROL.ffi.new(
+        values = {"n": n, "clamp": self.bodies[0], "relaxation": attached.relaxation, "memory": memory}
+        self.struct = CONTROL.ffi.new(
             "control_sections *",
             {
-                **{"n": n, "relaxation": attached.relaxation, "memory": memory, "elements": pointers},
+                **values,
+                **{"elements": pointers, "chain": rod.struct},
                 **{name: pointer(array) for name, array in arrays.items()},
                 **{name: pointer(array, "int32_t[]") for name, array in integers.items()},
             },
@@ -92,11 +95,14 @@ class Rubber:
         self._held[:] = qpos[self.positions[:, None] + np.arange(COORDINATES)]
         self._trained[:] = self._held[:, :3]
 
-    def pull(self, tensions: np.ndarray, step: float) -> None:
-        """Set forces and add to the inertia of a step [s], between MuJoCo's mj_step1 and the factorisation."""
+    def pull(self, tensions: np.ndarray, step: float) -> bool:
+        """Set forces and add to the inertia of a step [s], between MuJoCo's mj_step1 and the factorisation.
+
+        Returns:
+            True if all are `inside`.
+        """
         self._loads[:] = tensions
-        loads, inside = self._given
-        CONTROL.functions.control_pull(self._struct, loads, step, inside)
+        return bool(CONTROL.functions.control_pull(self.struct, step, pointer(self.inside, "int32_t[]")))
 
     @property
     def away(self) -> float:

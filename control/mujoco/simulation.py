@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from control.motion import for_each
 from control.mujoco.attach import FAST, Attached
 from control.mujoco.contact.coulomb import solve
+from control.mujoco.contact.engine import Engine
 from control.mujoco.contact.rubber_contacts import RubberContacts
 from control.mujoco.contact.sticking import Sticking
 from control.mujoco.rubber import Rubber, weigh
@@ -97,12 +98,14 @@ class Simulation:
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
         self.rubber = [Rubber(model, self.data, one) for one in fingers]
-        self._contacts = RubberContacts(model, self.data, self.rubber)
-        self._sticking = Sticking(self.data)
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
         for k, one in enumerate(self.rubber):
             self._finger_of[:-1][np.isin(model.geom_bodyid, one.bodies)] = k
-        model.geom_solref[self._finger_of[:-1] >= 0, 0] = FAST * model.opt.timestep
+        self._own = self._finger_of[:-1] >= 0
+        self._engine = Engine(model, self.data)
+        self._contacts = RubberContacts(self._engine, self.rubber)
+        self._sticking = Sticking(self._engine, self._own)
+        model.geom_solref[self._own, 0] = FAST * model.opt.timestep
         weigh(model, self.data, self.rubber, self.tensions.shape[1])
         self.reset()
 
@@ -142,22 +145,19 @@ class Simulation:
         self.tensions += np.clip(self.wanted - self.tensions, -self.rate * h, self.rate * h)
         mujoco.mj_step1(model, data)
         for k, rubber in enumerate(self.rubber):
-            rubber.pull(self.tensions[k], h)
-            if not rubber.inside.all():
+            if not rubber.pull(self.tensions[k], h):
                 self.left[k], self.lost[k] = True, self.lost[k] or not rubber.inside[:, 1].all()
                 self._check(self.fingers[k], rubber.away)
-        self._contacts.replace(self.tensions)
+        found = data.ncon
+        self._contacts.replace()
         self.lost |= self._contacts.buried
-        is_own = (self._finger_of[data.contact.geom] >= 0).any(axis=1)
-        (own,) = is_own.nonzero()
-        is_own[self._contacts.indices] = False  # these stick by themselves
-        self._sticking.recall(is_own.nonzero()[0])
+        self._sticking.recall(found)  # those of rubber, which follow, stick by themselves
         # mj_step2, but for the inertia of a step and Coulomb's law
         mujoco.mj_factorM(model, data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         if self._coulomb:
-            self.unsettled += not solve(model, data, own)
+            self.unsettled += not solve(self._engine, self._own)
         else:
             mujoco.mj_fwdConstraint(model, data)
         self._contacts.note()
@@ -196,15 +196,13 @@ class Simulation:
         A contact of two fingers counts for both, one of two sections of a finger once. `Attached.sensors` are MuJoCo's
         sensors of every section.
         """
-        found, force = np.zeros(len(self.fingers)), np.zeros(6)
-        for k, pair in enumerate(self.data.contact.geom):
-            fingers = self._finger_of[pair]
-            if fingers.max() < 0:
-                continue
-            mujoco.mj_contactForce(self.model, self.data, k, force)
-            for finger in set(fingers[fingers >= 0].tolist()):
-                found[finger] += force[0]
-        return found
+        found, contact = np.zeros(len(self.fingers) + 1), self.data.contact  # the last one of none
+        is_loaded = contact.efc_address >= 0
+        first, second = self._finger_of[contact.geom[is_loaded]].T
+        normal = self.data.efc_force[contact.efc_address[is_loaded]]  # of an elliptic cone
+        np.add.at(found, first, normal)
+        np.add.at(found, second, np.where(second == first, 0.0, normal))
+        return found[:-1]
 
     def wrenches(self) -> list[np.ndarray]:
         """Wrenches of the elements on every finger's sections, in their frames, shape (sections, 6) each [N, N m]."""

@@ -23,13 +23,12 @@ static void turn_between(const double *from, const double *to, double *turn)
 }
 
 /* Force along the joints of section k, (6), of which the coordinates are q; its last pose, if it has one there. */
-static void element_force(const control_sections *sections, int k, const double *tensions, const double *q, double *force,
-                          int32_t *marks)
+static void element_force(const control_sections *sections, int k, const double *q, double *force, int32_t *marks)
 {
     const fingerfem_segment *element = sections->elements[k];
     double *held = sections->held + Q * k, *wrench = sections->wrenches + W * k, *stiffness = sections->stiffness + W * W * k;
     double own[FINGERFEM_MOST_TENSIONS], centre[3], found[W], yields[W * W], moved[W];
-    for (int j = 0; j < element->tensions; j++) own[j] = tensions[sections->pulled[FINGERFEM_MOST_TENSIONS * k + j]];
+    for (int j = 0; j < element->tensions; j++) own[j] = sections->loads[sections->pulled[FINGERFEM_MOST_TENSIONS * k + j]];
     for (int i = 0; i < 3; i++) centre[i] = sections->offsets[3 * k + i] + q[i];
     /* inverse of the law, from the wrench of the last pose */
     memcpy(found, wrench, sizeof found);
@@ -49,19 +48,22 @@ static void element_force(const control_sections *sections, int k, const double 
     }
 }
 
-void control_pull(const control_sections *sections, const double *tensions, double h, int32_t *marks)
+int control_pull(const control_sections *sections, double h, int32_t *marks)
 {
+    int are_inside = 1;
     for (int k = 0; k < sections->n; k++) {
         const double *v = sections->qvel + sections->velocities[k], *K = sections->stiffness + W * W * k;
         const double later = sections->relaxation + h;
         const int32_t *places = sections->inertia + CONTROL_TRIANGLE * k;
         double force[W];
-        element_force(sections, k, tensions, sections->qpos + sections->positions[k], force, marks + 2 * k);
+        element_force(sections, k, sections->qpos + sections->positions[k], force, marks + 2 * k);
         /* -(f + (D + h K) v), and h D + h^2 K in the lower triangle */
         for (int i = 0; i < W; i++) {
             for (int j = 0; j < W; j++) force[i] += later * K[W * i + j] * v[j];
             for (int j = 0; j <= i; j++) sections->M[*places++] += h * later * K[W * i + j];
             sections->qfrc_applied[sections->velocities[k] + i] = -force[i];
         }
+        are_inside &= marks[2 * k] && marks[2 * k + 1];
     }
+    return are_inside;
 }

@@ -1,7 +1,5 @@
 """Checks of arguments: messages name the argument, its rule with the unit, and the value."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tensions of motors that overcome friction of the tendons in their guides."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from control.outcomes import listed

@@ -1,7 +1,5 @@
 """Equilibrium tensions of a free tip along a curve: solved at rows that follow its bends, interpolated between them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

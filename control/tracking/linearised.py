@@ -5,8 +5,6 @@ that feedback does not excite high modes. `rom.MovingFinger` returns the pulse r
 algorithm (Juang and Pappa, J. Guidance 8, 1985) computes the states.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ The filter estimates the states x and the disturbances E w. These are a random w
 plan's stiffness and inertia.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

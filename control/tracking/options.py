@@ -1,7 +1,5 @@
 """Options of a tracking controller."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

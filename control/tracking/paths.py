@@ -1,7 +1,5 @@
 """Closed paths of the tip across the finger, which start at rest and reach a constant rate."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

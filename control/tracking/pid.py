@@ -1,7 +1,5 @@
 """A PID controller of the tensions, with one tangent of the model, for comparison with the tracking controller."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Planned tensions of a path: the inverse of the model at rest, corrected by damping and inertia of the finger."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ This is iterative learning control on the model (Bristow, Tharayil and Alleyne, 
 learning filter is an optimal control of the linear model, see `control.tracking.regulator`.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The linear-quadratic regulator of a linearised finger, and its inputs for outputs that are set in advance."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import solve_discrete_are
 from scipy.signal import lfilter

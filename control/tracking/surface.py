@@ -3,8 +3,6 @@
 Both are functions of the tip's position along the surface.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import NamedTuple
 

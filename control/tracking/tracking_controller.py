@@ -6,8 +6,6 @@ after clamping to the limits, which prevents windup. While the plan presses, the
 the contact force across it: the model's stiffness of contact turns an error of the force into a displacement.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

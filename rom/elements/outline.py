@@ -88,8 +88,10 @@ class OutlineLaw:
         coefficients = np.zeros((len(powers), NUMBERS))
         np.add.at(coefficients, which.ravel(), shares[:, None] * law.coefficients)
         rest = np.column_stack([np.full(len(CORNERS), -distance), self.half * CORNERS])
-        coefficients[np.flatnonzero(~powers.any(axis=1))[0]] += rest.ravel()
-        return replace(law, lower=law.lower[:-1], upper=law.upper[:-1], powers=powers, coefficients=coefficients)
+        found = replace(law, lower=law.lower[:-1], upper=law.upper[:-1], powers=powers, coefficients=coefficients)
+        unloaded = found.value(np.zeros((1, powers.shape[1])))[0]  # what the fit leaves of no motion
+        coefficients[np.flatnonzero(~powers.any(axis=1))[0]] += rest.ravel() - unloaded
+        return found
 
     def scaled(self, size: float, modulus: float) -> OutlineLaw:
         """The law of an element `size` times as large, of rubber `modulus` times as stiff: exact by similarity."""

@@ -74,17 +74,14 @@ class Segment(PickledByFields):
 
     @cached_property
     def young_modulus(self) -> float:
-        """Young's modulus of the rubber at small strain [Pa]; if not stored, from the segment's stretch."""
+        """Young's modulus of the rubber at small strain [Pa]; if not stored, as the middle element stretches."""
         if self.rubber is not None:
             return self.rubber[0]
-        pull = 1e-3 * self.elements[0].polynomial.upper[-6]
+        k, pull, area = self._middle
         inputs = np.zeros((2, self.tensions + 6))
         inputs[:, -6] = -pull, pull
-        longer = sum(
-            modulus * np.ptp(one.value(inputs)[:, 0]) for one, modulus in zip(self.elements, self.moduli, strict=True)
-        )
-        rubber = self.length - self.half_lengths[0]
-        area = self.area * self.begins  # its inverse is the mean of all sections'
+        longer = self.moduli[k] * np.ptp(self.elements[k].value(inputs)[:, 0])
+        rubber = self.outlines[k].length - (0.0 if k else self.half_lengths[0])
         return float(2 * pull * rubber / (longer * area))
 
     @cached_property
@@ -92,14 +89,24 @@ class Segment(PickledByFields):
         """Poisson's ratio of the rubber at small strain, as the middle element thins where it is pulled [-]."""
         if self.rubber is not None:
             return self.rubber[1]
-        k = len(self.elements) // 2
-        outline, pull = self.outlines[k], 1e-3 * self.elements[k].polynomial.upper[-6]
+        k, pull, area = self._middle
+        outline = self.outlines[k]
         inputs = np.zeros((2, len(outline.polynomial.lower)))
         inputs[:, -6] = -pull, pull
-        corners = outline.polynomial.value(inputs).reshape(2, -1, 4, 3)[:, len(outline.distances) // 2]
-        pressed, pulled = (corners[:, 2:, 1] - corners[:, :2, 1]).mean(axis=1)
-        strain = 2 * pull / (self.moduli[k] * self.young_modulus * self.area)
+        corners = outline.polynomial.value(inputs).reshape(2, -1, 4, 3)
+        pressed, pulled = (corners[:, :, 2:, 1] - corners[:, :, :2, 1]).mean(axis=(1, 2))
+        strain = 2 * pull / (self.moduli[k] * self.young_modulus * area)
         return float((pressed - pulled) / (0.5 * (pressed + pulled)) / strain)
+
+    @property
+    def _middle(self) -> tuple[int, float, float]:
+        """The middle element, which plates and the clamp hinder least; a small force [N]; its mean section [m^2]."""
+        k = len(self.elements) // 2
+        ends = np.cumsum([0.0, *(one.length for one in self.outlines)])[k : k + 2]
+        shares = np.maximum(ends - self.half_lengths[0], 0.0) / (self.length - self.half_lengths[0])
+        sizes = 1 + (self.begins - 1) * shares
+        # 1 / area has the mean of that of all its sections
+        return k, 1e-3 * float(self.elements[k].polynomial.upper[-6]), self.area * float(sizes.prod())
 
     @cached_property
     def depths(self) -> np.ndarray:
@@ -144,13 +151,13 @@ class Segment(PickledByFields):
             elements=[poses[id(one)] for one in self.elements],
             half_lengths=self.half_lengths,
             section=self.section,
-            depths=None if self.section.is_rectangle or self.outlines is None else self.depths,
+            depths=None if self.section.is_rectangle else self.depths,
             begins=self.begins,
             moduli=self.moduli,
             outlines=self.outlines,
             shortenings=[shortenings[id(one)] for one in self.elements],
             young_modulus=self.young_modulus,
-            poisson=0.0 if self.outlines is None else self.poisson,
+            poisson=self.poisson,
             ridges=self.ridges,
             bulges=self.bulges,
         )

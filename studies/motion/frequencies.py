@@ -17,9 +17,8 @@ SEED = 44
 LARGEST = 5.0  # tension [N]
 DEPTHS = 0.3, 0.95  # d over the distance of touch [-]
 MODES = 3
+PRESSED = "two segments"  # the finger of the worst state on rubber
 KINDS = "free", "plates", "rubber", "one"  # no contact; of plates alone; of rubber too; of rubber in one of the models
-FINER: dict[str, Any] = {"order": 2}  # of the same cells, for the shape of rubber
-PULLED = [4.2, 2.1, 2.4, 3.6]  # tensions there [N]
 
 
 def states(run: Run, name: str) -> dict[str, Any]:
@@ -33,6 +32,7 @@ def states(run: Run, name: str) -> dict[str, Any]:
     upper = np.minimum(LARGEST, [one.upper for one in rod.parameters])
     finger = MovingFinger(model, np.append(0 * upper, np.inf), DENSITY)
     errors: dict[str, list[list[float]]] = {kind: [] for kind in KINDS}
+    points: dict[str, list[list[float]]] = {kind: [] for kind in KINDS}
     left = {"beyond": 0, "failed": 0}
     for k in range(STATES[name]):
         tensions, d = upper * random.random(len(upper)), np.inf
@@ -51,7 +51,8 @@ def states(run: Run, name: str) -> dict[str, Any]:
         touched = [on_rubber(model, [*tensions, d]), presses_rubber(full.problem)] if k % 2 else []
         kind = KINDS[(1 + touched[0] if touched[0] == touched[1] else 3) if touched else 0]
         errors[kind].append(np.abs(ours / theirs - 1).tolist())
-    return {"errors": errors, "left": left}
+        points[kind].append([*tensions.tolist(), float(d)])
+    return {"errors": errors, "points": points, "left": left}
 
 
 def on_rubber(model: TouchedSegment, point: list[float]) -> bool:
@@ -69,34 +70,20 @@ def presses_rubber(problem: Any) -> bool:
     return bool((forces[~np.any(plates, axis=0)] > 0).any())
 
 
-def bulge(run: Run) -> dict[str, float]:
-    """Heights of the square finger's face midway between its plate and the nearest cross-section of nodes [m].
-
-    They are heights above straight lines between both, of the rod and of the full-order model by order 2: their
-    means across the face, and the largest difference.
-    """
-    from fingerfem import FingerModel
+def finer(run: Run, name: str, point: list[float]) -> dict[str, Any]:
+    """The second frequency of a finger in contact, of the rod and of meshes with more cells across [Hz]."""
+    from fingerfem.dynamics.modes import ModalAnalysis
     from fingerfem.scene.scene import Scene
 
-    rod = trained(run, "square")
-    scene = table(rod)
-    finer = FingerModel(Scene.model_validate(scene | {"mesh": scene["mesh"] | FINER}))
-    finer.solve(PULLED, sensitivities=False)
-    rest, top = finer.problem.space.tabulate_dof_coordinates(), finer.problem.scene.geometry.shape.top
-    plate = scene["geometry"]["segments"][0] - scene["geometry"]["plate"]
-    planes = np.unique(rest[rest[:, 0] < plate + 1e-9, 0].round(9))[-3:]
-    face = np.isclose(rest[:, 1], top, atol=1e-9)
-    rows = [np.flatnonzero(face & np.isclose(rest[:, 0], x, atol=1e-9)) for x in planes]
-    nodes = np.array([row[np.argsort(rest[row, 2])] for row in rows])
-
-    def heights(displaced: np.ndarray) -> np.ndarray:
-        near, middle, far = rest[nodes] + displaced
-        along = (far - near) / np.linalg.norm(far - near, axis=1)[:, None]
-        return np.asarray(np.cross(along, middle - near)[:, 2])
-
-    model = touching(rod).displacement([*PULLED, np.inf], rest[nodes].reshape(-1, 3)).reshape(*nodes.shape, 3)
-    ours, theirs = heights(model), heights(finer.problem.displacement.reshape(-1, 3)[nodes])
-    return {"rod": ours.mean(), "finer": theirs.mean(), "difference": float(np.abs(ours - theirs).max())}
+    rod = trained(run, name)
+    model, scene = touching(rod), table(rod, before_plane=True)
+    along, across = scene["mesh"]["cells"]
+    ours = MovingFinger(model, np.append(0.0 * np.array(point[:-1]), np.inf), DENSITY).frequencies(point, MODES)
+    meshes = list[list[float]]()
+    for cells in (across, 2 * across, 4 * across):
+        full = ModalAnalysis(Scene.model_validate(scene | {"mesh": scene["mesh"] | {"cells": [along, cells]}}))
+        meshes.append([cells, float(full.solve(point[:-1], point[-1], count=MODES).frequencies[1])])
+    return {"name": name, "rod": float(ours[1]), "meshes": meshes}
 
 
 def measure(run: Run) -> dict[str, Any]:
@@ -106,10 +93,11 @@ def measure(run: Run) -> dict[str, Any]:
         name: {kind: [quantiles(own) for own in np.array(one).T] for kind, one in row["errors"].items() if one}
         for name, row in rows.items()
     }
+    pressed = rows[PRESSED]["points"]["rubber"][int(np.argmax(rows[PRESSED]["errors"]["rubber"], axis=0)[1])]
     left = {name: sum(row["left"][name] for row in rows.values()) for name in ("beyond", "failed")}
     return {
         "fingers": found,
         "left": left,
         "states": sum(STATES.values()),
-        "bulge": run.once("bulge", bulge, run),
+        "finer": run.once("finer", finer, run, PRESSED, pressed),
     }

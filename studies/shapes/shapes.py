@@ -1,7 +1,8 @@
-"""The same finger with other sections: what training costs, and how well elements predict states held out from it."""
+"""Fingers of other sections: what training costs, and how well elements predict states held out from it."""
 
 from __future__ import annotations
 
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,17 @@ SECTIONS: dict[str, dict[str, Any]] = {
     "ring": {"shape": "ring", "diameter": 0.020, "bore": 0.006},
     "rectangle": {"shape": "rectangle", "height": 0.020, "width": 0.014},
 }
+CHAMBERED = "square, two chambers"
 LINES, COUNT = 12, 20
+MORE_LINES = 48  # of the one with chambers, which has three loads
 STRESS, PRESSED = 4e4, 0.1  # largest tension over the section's area [Pa]; largest force on the plate over that [-]
 
 
 def scene(name: str) -> dict[str, Any]:
-    """The finger of a section: 60 mm of silicone, two tendons."""
+    """The finger of a section: 60 mm of silicone with two tendons; or that of a file, with one tendon and chambers."""
+    if name == CHAMBERED:
+        table = tomllib.loads((sets.ROOT / "scenes" / "pressed_chambers.toml").read_text())
+        return table | {"sampling": table["sampling"] | {"lines": MORE_LINES, "wrenches": 2}}
     tension = round(STRESS * area({"section": SECTIONS[name]}), 2)
     tendons = [
         {"name": f"F{k}", "offset": [y, 0.0], "segment": 1, "tension": [0.0, tension]}
@@ -66,4 +72,4 @@ def row(run: Run, name: str) -> dict[str, Any]:
 
 def measure(run: Run) -> list[dict[str, Any]]:
     """A row a section."""
-    return [run.once(name, row, run, name) for name in SECTIONS]
+    return [run.once(name, row, run, name) for name in (*SECTIONS, CHAMBERED)]

@@ -1,23 +1,17 @@
 """Ratios of estimated errors to the variants' deviation that cover the errors of left-out lines."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rom.brief import brief
 from rom.elements.fitting.contact_error import gap_by_force, relative_force_changes, relative_force_errors
+from rom.elements.fitting.prepared import Training
 from rom.elements.march import march
 from rom.elements.samples.section_states import SectionStates
 
-if TYPE_CHECKING:
-    from rom.elements.fitting.training import Training
-
-TYPICAL = (
-    1.5  # times the median of errors, that is taken for typical: nearly the root of a normal one's mean square [-]
-)
+TYPICAL = 1.5  # times the median of errors: typical, nearly the root of a normal one's mean square [-]
 COVERED = 0.97  # of the states that were left out [-]
 QUANTITIES = "tip", "contact_force", "touch_distance"
 FEWEST = 5  # states of a kind below which they scale nothing

@@ -1,7 +1,5 @@
 """The laws that an element's samples support: one regression, of which every set of fewer products is a part."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

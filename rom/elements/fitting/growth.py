@@ -12,7 +12,7 @@ from rom.dataset.plan import Round
 from rom.dataset.snapshot_set import SnapshotSet
 from rom.elements.fitting.contact_error import relative_force_errors
 from rom.elements.fitting.degrees import best_degrees
-from rom.elements.fitting.training import prepare
+from rom.elements.fitting.prepared import prepare
 from rom.elements.samples.section_states import read_section_states
 
 STALE = 4  # rounds that must make the error smaller

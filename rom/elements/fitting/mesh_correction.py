@@ -6,8 +6,6 @@ samples of every element. A ridge term shrinks the polynomial, but not the share
 would be too small at the ends of the ranges.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from copy import copy
 from dataclasses import replace

@@ -3,8 +3,6 @@
 A branch relaxes the shear modulus, not the bulk modulus, as in the full-order model (rom/native/contact/relaxation.c).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ yields the consistent mass of a Timoshenko beam (Przemieniecki, Theory of Matrix
 first frequencies of a few long elements are then as accurate as those of many.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

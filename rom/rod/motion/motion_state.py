@@ -1,7 +1,5 @@
 """State of a moving finger at the end of a step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

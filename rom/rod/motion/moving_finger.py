@@ -3,8 +3,6 @@
 Elements have the compliance of their static laws, or viscoelastic branches, and the consistent mass of beams.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

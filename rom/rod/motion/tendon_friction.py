@@ -10,8 +10,6 @@ with the bounds of rod/guides.c and tau_k0, s_k0 of the last step. Tensions are 
 solves for them; differences measure how slips respond to tensions in a step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

@@ -52,10 +52,7 @@ def before_a_wall(rod: Rod, friction: float, stiffness: float = STIFF, dragged: 
 
 
 def sliding(rod: Rod, friction: float) -> dict[str, Any]:
-    """A wall drawn along under a finger: the angle at which it slides, and how fast it creeps below that.
-
-    Creeping is what sticks moving at all, sliding what moves faster than a tenth of the wall.
-    """
+    """A wall drawn along under a finger: angles at which contacts slide, faster than a tenth of the wall."""
     simulation = before_a_wall(rod, friction, dragged=True)
     for tension in (36.0, 35.0):  # let go a little it sticks, with friction to spare
         simulation.pull(0, (tension, 0.0))
@@ -80,6 +77,4 @@ def sliding(rod: Rod, friction: float) -> dict[str, Any]:
         "sliding_p5": float(np.percentile(known[slides], 5)),
         "sliding_median": float(np.median(known[slides])),
         "largest": float(known.max()),
-        "creep": float(np.median(fast[known < 0.95 * limit])),
-        "creep_most": float(fast[known < 0.95 * limit].max()),
     }

@@ -9,7 +9,7 @@ from control.mujoco.solids import SHAPES  # noqa: E402
 from rom import Rod, TouchedSegment  # noqa: E402
 from studies.grasping.task import FOUND, STEP, approach, attempt, close, over, planned  # noqa: E402
 from studies.grasping.trials import trial  # noqa: E402
-from tests.control.mujoco.dragged_wall import DRAG, SOFT, before_a_wall, sliding  # noqa: E402
+from tests.control.mujoco.dragged_wall import SOFT, before_a_wall, sliding  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -101,4 +101,3 @@ def test_a_plate_slides_at_the_angle_of_friction(model, friction):
     found = sliding(model.rod, friction)
     assert found["sliding_median"] == pytest.approx(found["angle"], rel=0.03)
     assert found["largest"] <= found["angle"] * (1 + 1e-6)
-    assert found["creep"] < 0.25 * DRAG

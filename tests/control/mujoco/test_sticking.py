@@ -6,6 +6,7 @@ import pytest
 mujoco = pytest.importorskip("mujoco")
 
 from control.mujoco.contact.coulomb import solve  # noqa: E402
+from control.mujoco.contact.engine import Engine  # noqa: E402
 from control.mujoco.contact.sticking import Sticking  # noqa: E402
 
 MASS, GRAVITY, FRICTION, RADIUS = 0.2, 9.81, (0.6, 0.002, 0.001), 0.01
@@ -33,47 +34,51 @@ LOADS = {
 
 
 def loaded(load: np.ndarray, seconds: float, sticks: bool = True):
-    """A ball at rest on a plane under a force and a moment, shape (6,) [N, N m]: data and how far it moved then."""
+    """A ball at rest on a plane under a force and a moment, shape (6,) [N, N m], and how far it moved then."""
     model = mujoco.MjModel.from_xml_string(DISC)
     data = mujoco.MjData(model)
-    sticking, moved = Sticking(data), np.zeros(6)
+    engine, own, moved = Engine(model, data), np.ones(model.ngeom, bool), np.zeros(6)
+    sticking = Sticking(engine, own)
     for k in range(round((0.2 + seconds) / STEP)):
         data.qfrc_applied[:] = load * (k * STEP >= 0.2)  # at rest first
         mujoco.mj_step1(model, data)
+        engine.set_contacts()
+        engine.set_constraints()
         if sticks:
-            sticking.recall(np.arange(data.ncon))
+            sticking.recall(data.ncon)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
-        solve(model, data, np.arange(data.ncon))
+        solve(engine, own)
         sticking.note()
         mujoco.mj_Euler(model, data)
         moved += STEP * data.qvel * (k * STEP >= 0.2)
-    return data, moved
+    return engine, moved
 
 
 @pytest.mark.parametrize("kind", LOADS)
 def test_what_sticks_yields_by_a_fixed_distance_instead_of_creeping(kind):
     load, axis, row = LOADS[kind]
-    data, moved = loaded(load, 0.5)
+    (engine, moved), creeping = loaded(load, 0.5), loaded(load, 0.5, sticks=False)[0].data
+    data = engine.data
     slips = abs(data.efc_R[row] * data.efc_force[row]) * IMPEDANCE * TIME / 2  # by MuJoCo's regularisation [m/s, rad/s]
     assert abs(moved[axis]) == pytest.approx(slips * STEP, rel=1e-3)
     assert abs(data.qvel[axis]) < 1e-6 * slips
-    assert abs(loaded(load, 0.5, sticks=False)[0].qvel[axis]) == pytest.approx(slips, rel=1e-3)
+    assert abs(creeping.qvel[axis]) == pytest.approx(slips, rel=1e-3)
 
 
 def test_a_contact_is_forgotten_when_it_opens_or_is_reset():
-    data, _ = loaded(LOADS["force"][0], 0.01)
-    sticking = Sticking(data)
-    sticking.recall(np.arange(data.ncon))
+    engine, _ = loaded(LOADS["force"][0], 0.01)
+    data, sticking = engine.data, Sticking(engine, np.ones(engine.model.ngeom, bool))
+    sticking.recall(data.ncon)
     sticking.note()
     before = data.efc_aref.copy()
-    for contacts in (np.zeros(0, int), np.arange(data.ncon)):  # open for a step
+    for contacts in (0, data.ncon):  # open for a step
         sticking.recall(contacts)
         sticking.note()
     assert np.array_equal(data.efc_aref, before) and len(before)
-    sticking.recall(np.arange(data.ncon))
+    sticking.recall(data.ncon)
     assert not np.array_equal(data.efc_aref, before)
     before = data.efc_aref.copy()
     sticking.reset()
-    sticking.recall(np.arange(data.ncon))
+    sticking.recall(data.ncon)
     assert np.array_equal(data.efc_aref, before)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rom.elements.fitting.training import fold_of
+from rom.elements.fitting.prepared import fold_of
 from rom.elements.outline import CORNERS, outline_samples, train_outline
 from rom.elements.samples.cuts import outline_pairs
 from tests.rom.elements import elastic_rod

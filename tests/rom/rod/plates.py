@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from rom import Rod, TouchedSegment
+from rom.rod.compiled import struct
 
 _bare: dict[int, tuple[Rod, Rod]] = {}  # by the identity of a finger, which is kept
 
@@ -13,7 +14,9 @@ def bare(rod: Rod) -> Rod:
     """The same finger without a surface of its rubber."""
     if id(rod) not in _bare:
         found = replace(rod)
-        found.__dict__["segments"] = [replace(one, outlines=None) for one in rod.segments]
+        found.__dict__["segments"] = [replace(one) for one in rod.segments]
+        for one in found.segments:
+            one.__dict__["struct"] = struct(replace(one.condensed, outlines=None, depths=None))
         _bare[id(rod)] = rod, found
     return _bare[id(rod)][1]
 

@@ -47,20 +47,23 @@ def elliptic(ratio):
 
 @pytest.mark.parametrize("radius", [0.4, 1.0, 2.0, 4.0])
 def test_a_ball_presses_on_a_circle_as_in_contact_of_hertz(radius):
-    """Both round, of elliptic contact area; the radius is over the finger's. Deeper, the finger is no half space."""
-    circle = TouchedSegment.load("round").rod
+    """Both round, of elliptic contact area; the radius is over the finger's. Deeper, the finger is no half space.
+
+    Weight stretches the finger, which makes it thinner by up to a tenth of the depth: there is none.
+    """
+    circle = TouchedSegment.load("round").rod.with_gravity((1, 0, 0), 1e-9)
     young, poisson, half = circle.segments[0].young_modulus, circle.segments[0].poisson, circle.half_lengths[1]
     for depth in (0.005 * half, 0.01 * half):
         flat = 4 / 3 * young / (1 - poisson**2) * np.sqrt(radius * half) * depth**1.5
-        assert squeezed(circle, radius * half, depth) == pytest.approx(elliptic(1 + radius) * flat, rel=0.12)
+        assert squeezed(circle, radius * half, depth) == pytest.approx(elliptic(1 + radius) * flat, rel=0.1)
 
 
 def test_a_ball_presses_on_nearly_incompressible_rubber_as_in_contact_of_hertz():
-    square = TouchedSegment.load("square").rod
+    square = TouchedSegment.load("square").rod.with_gravity((1, 0, 0), 1e-9)
     young, poisson, half = square.segments[0].young_modulus, square.segments[0].poisson, square.half_lengths[1]
     for radius, depth in ((0.4, 0.01), (1.0, 0.01), (1.0, 0.02)):
         hertz = 4 / 3 * young / (1 - poisson**2) * np.sqrt(radius * half) * (depth * half) ** 1.5
-        assert poisson > 0.49 and squeezed(square, radius * half, depth * half) == pytest.approx(hertz, rel=0.15)
+        assert poisson > 0.49 and squeezed(square, radius * half, depth * half) == pytest.approx(hertz, rel=0.1)
 
 
 def test_the_force_does_not_depend_on_where_slices_begin(rod):

@@ -56,7 +56,7 @@ def test_a_base_that_has_turned_sees_the_weight_turned(heavy):
 
 
 def test_a_finger_that_turns_about_its_clamp_is_stretched_as_a_bar():
-    """By w^2 (rho L^3 / 3 + m x L / A) / E, with the plate's mass m at x."""
+    """By w^2 (rho L^3 / 3 + m x L / A) / E, with the plate's mass m at x; plates hinder the rubber next to them."""
     finger, spin = rom.load(), 100.0
     one = MovingFinger(finger, [0.0, 0.0, AWAY], DENSITY, radius=0.0)
     for _ in range(30):
@@ -64,7 +64,7 @@ def test_a_finger_that_turns_about_its_clamp_is_stretched_as_a_bar():
     segment, length, plate = finger.rod.segments[0], 0.049, 7850.0 * 0.001 * 1e-4
     load = DENSITY * length**3 / 3 + plate * 0.0495 * length / segment.area
     at_rest = finger.evaluate([0.0, 0.0, AWAY]).tip
-    assert state.tip[0] - at_rest[0] == pytest.approx(spin**2 * load / segment.young_modulus, rel=0.01)
+    assert state.tip[0] - at_rest[0] == pytest.approx(spin**2 * load / segment.young_modulus, rel=0.02)
 
 
 def test_more_sections_hardly_change_what_a_turning_base_does():
