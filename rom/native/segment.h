@@ -60,7 +60,7 @@ typedef struct {
     int32_t most_power;                  /* highest of the wrench */
     const double *lower, *upper;         /* (6): the trained box of the wrench [N, N m] */
     const int32_t *wrench_powers;        /* (products, 6) */
-    const int32_t *term_monomials, *term_products; /* (terms): which of the segment's monomials, and of the products */
+    const int32_t *term_monomials, *term_products; /* (terms): which of the segment's monomials, and of the products, in order */
     const float *coefficients;           /* (terms, numbers) */
     const double *free_coefficients;     /* (monomials, numbers): without a wrench */
 } fingerfem_outline;

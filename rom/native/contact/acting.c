@@ -89,8 +89,7 @@ static int begun_as(const contact_problem *problem, const objects_contacts *now,
 {
     const acting_begin *begin = problem->step->begin;
     const double most = JUMP * problem->touching->chain->segments[0]->half_lengths[1];
-    for (int i = 0; i < begin->count; i++) {
-        const int j = (from + i) % begin->count;
+    for (int i = 0, j = from < begin->count ? from : 0; i < begin->count; i++, j = j + 1 < begin->count ? j + 1 : 0) {
         double away = 0.0;
         if (begin->names[j] != now->names[k] || begin->plates[j] != now->plates[k] || begin->objects[j] != now->objects[k]) continue;
         for (int i = 0; i < 3; i++) away = fmax(away, fabs(now->points[k][i] - begin->points[j][i]));

@@ -74,6 +74,7 @@ int response_balance(const contact_problem *problem, contact_state *state, doubl
     double gaps[FINGERFEM_MOST_CONTACTS], pressing[FINGERFEM_MOST_CONTACTS], after[FINGERFEM_MOST_CONTACTS] = {0.0}, motion[CHAIN_WRENCH];
     int active[FINGERFEM_MOST_CONTACTS], fewest = all + 1, tries = 0;
     columns.local = columns.whole = 0;
+    if (!all) return 1;
     /* indentation of slices, which other forces lower */
     for (int k = 0; k < all; k++) {
         active[k] = forces[k] > 0.0;

@@ -44,7 +44,7 @@ double bulged_depth(const contact_problem *problem, const chain_state *state, in
     double least = INFINITY;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
-        unsigned char every[FINGERFEM_MOST_ELEMENTS + 2];
+        unsigned char every[FINGERFEM_MOST_ELEMENTS];
         double heights[OUTLINE_CORNERS], own[TENSIONS_MOST], corners[OUTLINE_CORNERS][3];
         /* tensions of this segment, and whether any of its faces bulges */
         for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * q + i]];

@@ -61,7 +61,8 @@ typedef struct {
     chain_matrix following, factors;
     int exchanged[CHAIN_WRENCH];
     double standing[CHAIN_WRENCH]; /* of the fixed parts of all forces */
-    chain_matrix mass; /* in a step of time */
+    chain_matrix mass; /* in a step of time, as are the inertial wrenches */
+    double inertial[CHAIN_WRENCH];
 } contact_state;
 
 /* Where bodies and contacts are as a step begins, bodies by their loads; and what pressed there [N]. */
@@ -110,9 +111,9 @@ static inline double contact_lead(contact_problem *problem, const double *distan
 /* Numbers of all wrenches. */
 static inline int contact_size(const contact_problem *problem) { return chain_size(problem->map); }
 
-/* The bodies under a state's wrenches, before objects at d: what they may touch becomes a body, plates alone or `rubber`, too.
- * Returns 0 if there is no room. */
-int placed_under(const contact_problem *problem, double d, int rubber, contact_state *state);
+/* The bodies under a state's wrenches, before objects at d: what they may touch becomes a body, plates alone or `rubber`, too. Motions by
+ * wrenches may be `kept` from an earlier pose of all bodies. Returns 0 if there is no room. */
+int placed_under(const contact_problem *problem, double d, int rubber, int kept, contact_state *state);
 
 /* Whether objects at d are in the rubber, of bodies that were placed without it. */
 int placed_in_rubber(const contact_problem *problem, double d, placed *at);

@@ -33,6 +33,8 @@
 #define MOVING 1e-6     /* converged in a step of time: of the trained loads, what the next step would be by quadratic convergence, after one */
 #define LINEAR 2        /* least number of Newton steps near rubber, where convergence is linear: the work of the residual after one step
                            added some percent of energy to a vibration in a second */
+#define KEPT 0.1        /* in a step of time near rubber, a Newton step below which motions, G and S are kept: convergence is linear anyway [-] */
+#define LEFT 1e-7       /* converged then: what the next step would be by linear convergence */
 #define TURNS 1e-5      /* likewise after PATIENT steps, where contacts of one edge press in turns [-] */
 #define SMALL 3e-4      /* below this, of which contact that slows the convergence leaves some 1e-3 [-] */
 
@@ -43,9 +45,9 @@ static int any(int count, const double *values)
     return found;
 }
 
-/* One Newton step, damped by the factor `most`. Returns its size before damping, the largest change of a wrench over
- * its box, or -1 on failure. */
-static double step(const contact_problem *problem, double most, contact_state *state)
+/* One Newton step, damped by the factor `most`; G and S may be `kept` from an earlier pose. Returns its size before damping, the largest
+ * change of a wrench over its box, or -1 on failure. */
+static double step(const contact_problem *problem, double most, int kept, contact_state *state)
 {
     const fingerfem_chain *chain = problem->touching->chain;
     const objects_contacts *contacts = &state->at.contacts;
@@ -54,10 +56,10 @@ static double step(const contact_problem *problem, double most, contact_state *s
     /* the wrenches that contact must transmit, w - I, with the inertial wrenches I */
     memcpy(state->pressed, state->wrench, (size_t)w * sizeof *state->wrench);
     if (problem->step) inertia_mass(problem, &state->at.chain, state->mass);
-    if (problem->step) inertia_wrenches(problem, &state->at.chain, state->mass, target);
-    for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= target[i] + problem->share * state->standing[i];
-    /* G and S by the last forces; then the forces of the linear complementarity problem */
-    if (!response_find(problem, state)) return -1.0;
+    if (problem->step) inertia_wrenches(problem, &state->at.chain, state->mass, state->inertial);
+    for (int i = 0; i < w && problem->step; i++) state->pressed[i] -= state->inertial[i] + problem->share * state->standing[i];
+    /* G and S by the last forces, unless they are kept; then the forces of the linear complementarity problem */
+    if (!kept && !response_find(problem, state)) return -1.0;
     memcpy(forces, state->forces, sizeof forces);
     if (!response_balance(problem, state, forces)) return -1.0;
     /* a wrench was given, but no forces: find G by the forces just found, and solve again */
@@ -97,10 +99,10 @@ static double step(const contact_problem *problem, double most, contact_state *s
 }
 
 /* Whether step k of this size, after one of the size `last`, is small enough. */
-static int converged(const contact_problem *problem, const contact_state *state, int k, double size, double last)
+static int converged(const contact_problem *problem, const contact_state *state, int k, int kept, double size, double last)
 {
     const int least = state->at.slices ? LINEAR : 1;
-    if (problem->step && k > least && size < SMALL && size * size * size < MOVING * last * last) return 1;
+    if (problem->step && k > least && size < SMALL && (kept ? size * size < LEFT * last : size * size * size < MOVING * last * last)) return 1;
     if (problem->step && k > PATIENT && size < TURNS) return 1;
     return size < (state->at.slices ? CLOSER : CLOSE) || (!state->at.slices && size < NEAR && size < FASTER * last);
 }
@@ -114,15 +116,16 @@ int contact_solve_from(const contact_problem *problem, double d, contact_state *
     double last = INFINITY, share = 1.0;
     for (int k = 1; k <= ITERATIONS; k++) {
         /* bodies and contacts under the present wrenches, with the last forces as a start */
+        const int kept = problem->step && last < KEPT && k < PATIENT && state->at.slices;
         fingerfem_pressed before;
         acting_leave(state, &before);
-        if (!placed_under(problem, d, rubber, state)) return -k;
+        if (!placed_under(problem, d, rubber, kept, state)) return -k;
         for (int c = 0; c < state->at.contacts.count; c++) state->forces[c] = acting_pressed(&before, &state->at.contacts, c);
         if (problem->step) acting_over_step(problem, k == 1, state);
-        const double size = step(problem, share, state);
+        const double size = step(problem, share, kept, state);
         if (size < 0.0) return -k;
         /* stop: the step is small, and no object lies in rubber that was left out */
-        if (converged(problem, state, k, size, last)) {
+        if (converged(problem, state, k, kept, size, last)) {
             if (rubber || !placed_in_rubber(problem, d, &state->at)) return k;
             rubber = 1;
         }

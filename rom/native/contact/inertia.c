@@ -220,13 +220,11 @@ void inertia_forces(const contact_problem *problem, const chain_state *state, co
     }
 }
 
-void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following)
+void inertia_follow(const contact_problem *problem, const chain_matrix mass, const double *wrench, chain_matrix following)
 {
     const contact_step *step = problem->step;
     const double stiff = (1.0 - step->mean_mass) / ((1.0 - step->mean_force) * step->beta * step->length * step->length);
     const int size = contact_size(problem);
-    double wrench[CHAIN_WRENCH];
-    inertia_wrenches(problem, state, mass, wrench);
     for (int b = 0; b < problem->map->count; b++) {
         if (problem->map->bodies[b].segment == CHAIN_GROUND) continue;
         double (*rows)[CHAIN_WRENCH] = following + W * b;

@@ -28,9 +28,9 @@ void inertia_mass(const contact_problem *problem, const chain_state *state, chai
 double inertia_energy(const contact_problem *problem, const double *moving, const chain_matrix mass);
 
 /* Inertial wrenches on all bodies at their poses, (6 bodies) [N, N m]; the second function adds their derivative by the bodies'
- * motions, (6 bodies, 6 bodies), to a matrix. */
+ * motions, (6 bodies, 6 bodies), to a matrix, from these wrenches. */
 void inertia_wrenches(const contact_problem *problem, const chain_state *state, const chain_matrix mass, double *found);
-void inertia_follow(const contact_problem *problem, const chain_state *state, const chain_matrix mass, chain_matrix following);
+void inertia_follow(const contact_problem *problem, const chain_matrix mass, const double *wrench, chain_matrix following);
 
 /* What elements put on all bodies at the step's end, M v' without contact's wrenches, in place of `inertia_moving`'s means. The bodies of
  * `begun` must be there still. */

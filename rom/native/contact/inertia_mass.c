@@ -53,14 +53,17 @@ static void add_block(const double *K, int first, int second, const double *Q, c
     for (int r = 0; r < W; r += 3)
         for (int c = 0; c < W; c += 3) {
             double half[9];
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; i++) {
+                const double *own = K + 2 * W * (first + r + i) + second + c;
+#pragma GCC unroll 3
+                for (int j = 0; j < 3; j++) half[3 * i + j] = own[0] * P[j] + own[1] * P[3 + j] + own[2] * P[6 + j];
+            }
+#pragma GCC unroll 3
             for (int i = 0; i < 3; i++)
-                for (int j = 0; j < 3; j++) {
-                    half[3 * i + j] = 0.0;
-                    for (int l = 0; l < 3; l++) half[3 * i + j] += K[2 * W * (first + r + i) + second + c + l] * P[3 * l + j];
-                }
-            for (int i = 0; i < 3; i++)
+#pragma GCC unroll 3
                 for (int j = 0; j < 3; j++)
-                    for (int l = 0; l < 3; l++) mass[W * a + r + i][W * b + c + j] += Q[3 * l + i] * half[3 * l + j];
+                    mass[W * a + r + i][W * b + c + j] += Q[i] * half[j] + Q[3 + i] * half[3 + j] + Q[6 + i] * half[6 + j];
         }
 }
 

@@ -178,7 +178,7 @@ int fingerfem_step(const fingerfem_touching *touching, const fingerfem_inertia *
         guides.tensions = seen;
         chain.guides = &guides;
     }
-    chain_set_tensions(&chain, held, memory, &map);
+    chain_set_constant(&chain, held, memory, &map);
     if (branches) relaxation_set(&relaxation, &map);
     chain_contract(&map);
     memset(state.forces, 0, sizeof state.forces);

@@ -26,19 +26,19 @@ void placed_slices(const contact_problem *problem, int j, int free, double dome,
     at->contacts.object = j;
     for (int q = 0; q < chain->plates; q++) {
         const fingerfem_segment *segment = chain->segments[q];
-        unsigned char near[FINGERFEM_MOST_ELEMENTS + 2]; /* 1: what may touch; 2: its neighbour, which takes part in its shape */
-        rubber_section sections[2];                      /* at even places, and at odd ones */
+        unsigned char near[FINGERFEM_MOST_ELEMENTS];
+        rubber_section sections[2]; /* at even places, and at odd ones */
         int places[2] = {-1, -1};
         if (!segment->knots || !slices_near(problem->map, &at->chain, q, object, d, close, near)) continue;
-        /* corners of the knots of near elements, and the heights of their highest ridges [m] */
+        /* corners of the knots that shape near elements, and the heights of their highest ridges [m] */
         const double *points = slices_corners(problem->map, &at->chain, q, free, near);
         double highest[FINGERFEM_MOST_ELEMENTS];
-        for (int e = 0; e < segment->elements; e++) highest[e] = near[e] == 1 ? slices_highest(problem->map->rods + q, e) : 0.0;
+        for (int e = 0; e < segment->elements; e++) highest[e] = near[e] ? slices_highest(problem->map->rods + q, e) : 0.0;
         /* contacts of all slices but those whose lower bound of the gap is too large */
         for (int n = 0; n < segment->places - 1; n++) {
             const int e = segment->place_elements[n];
             const rubber_section *begin = sections + n % 2, *end = sections + (n + 1) % 2;
-            if (near[e] != 1) continue;
+            if (!near[e]) continue;
             for (int place = n; place <= n + 1; place++) {
                 if (places[place % 2] != place) slices_cut(segment, points, place, sections + place % 2);
                 places[place % 2] = place;
@@ -135,13 +135,13 @@ int placed_in_rubber(const contact_problem *problem, double d, placed *at)
     return found;
 }
 
-int placed_under(const contact_problem *problem, double d, int rubber, contact_state *state)
+int placed_under(const contact_problem *problem, double d, int rubber, int kept, contact_state *state)
 {
     placed *at = &state->at;
     chain_rods *map = problem->map;
     const int before = map->count;
     /* bodies under the wrenches; contacts of all plates with all objects, then of slices */
-    if (!chain_under(map, state->wrench, &at->chain)) return 0;
+    if (!(kept ? chain_again : chain_under)(map, state->wrench, &at->chain)) return 0;
     at->contacts.count = 0;
     for (int plate = 0; plate < problem->touching->chain->plates; plate++)
         for (int j = 0; j < problem->touching->count; j++)

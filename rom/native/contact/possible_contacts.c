@@ -102,9 +102,9 @@ int fingerfem_find_contacts(const fingerfem_touching *touching, const double *te
     for (int i = 0; i < 3; i++) object.centre[i] += moved[i];
     /* finger at clamped tensions under the loads, and all contacts, of rubber too */
     found->inside = chain_clamped(chain, tensions, held);
-    chain_set_tensions(chain, held, memory, &map);
+    chain_set_constant(chain, held, memory, &map);
     chain_contract(&map);
-    if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, 1, &state)) return 0;
+    if (!chain_take_loads(&map, loads, state.wrench) || !placed_under(&problem, d, 1, 0, &state)) return 0;
     /* bodies but the ground: index of the load, and motion by all wrenches */
     const int ground = map.bodies[0].segment == CHAIN_GROUND, count = map.count - ground;
     found->bodies = count;
@@ -150,7 +150,7 @@ void fingerfem_material_points(const fingerfem_chain *chain, const double *tensi
     double held[TENSIONS_MOST];
     chain_rods map;
     chain_state state;
-    unsigned char all[FINGERFEM_MOST_ELEMENTS + 2];
+    unsigned char all[FINGERFEM_MOST_ELEMENTS];
     /* finger under the loads, with knots of all elements */
     memset(all, 1, sizeof all);
     chain_placed(chain, tensions, loads, memory, held, &map, &state);

@@ -76,7 +76,7 @@ static int factorise(int size, contact_state *state)
 int response_find(const contact_problem *problem, contact_state *state)
 {
     follow(problem, state);
-    if (problem->step) inertia_follow(problem, &state->at.chain, state->mass, state->following);
+    if (problem->step) inertia_follow(problem, state->mass, state->inertial, state->following);
     return factorise(contact_size(problem), state);
 }
 

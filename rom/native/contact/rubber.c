@@ -32,19 +32,31 @@ void rubber_flat(const fingerfem_segment *segment, double size, double along, co
     rubber_in_space(place, rotation, EDGES, corners);
 }
 
+const double *rubber_contracted(const rod_state *rod, int element)
+{
+    double *own = rod->outlines + rod->outlines_stride * rod_set_of(rod, element);
+    if (own[0] == 0.0) outline_contract(rubber_outline(rod->segment, element), rod_monomials(rod, element), own + ROD_OUTLINED);
+    own[0] = 1.0;
+    return own + ROD_OUTLINED;
+}
+
 void rubber_shape(const rod_state *rod, int element, const double *monomials, double *corners)
 {
     const fingerfem_outline *outline = rubber_outline(rod->segment, element);
-    outline_under(outline, monomials, rod->elements[element].wrench, corners + outline->numbers, corners);
+    double *products = corners + outline->numbers, *changes = products + outline->products;
+    if (monomials != rod_monomials(rod, element)) outline_contract(outline, monomials, changes);
+    const double *contracted = monomials == rod_monomials(rod, element) ? rubber_contracted(rod, element) : changes;
+    outline_under(outline, contracted, rod->elements[element].wrench, 0, outline->numbers, products, corners);
 }
 
-void rubber_corners(const rod_state *rod, int element, int free, double *corners)
+void rubber_corners(const rod_state *rod, int element, int free, int first, int last, double *corners)
 {
     const fingerfem_outline *outline = rubber_outline(rod->segment, element);
     double *own = rod->work + OUTLINE_KNOT * rod->segment->knots;
+    const int from = OUTLINE_KNOT * first, to = OUTLINE_KNOT * last;
     if (free && !rod->masses) outline_free(outline, rod_monomials(rod, element), own);
-    else rubber_shape(rod, element, rod_monomials(rod, element), own);
-    memcpy(corners, own, (size_t)(OUTLINE_KNOT * outline->knots) * sizeof *own);
+    else outline_under(outline, rubber_contracted(rod, element), rod->elements[element].wrench, from, to, own + outline->numbers, own);
+    memcpy(corners + from, own + from, (size_t)(to - from) * sizeof *own);
 }
 
 double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
@@ -56,7 +68,7 @@ double *rubber_points(const rod_state *rod, const rod_end *clamp, int free)
     rubber_flat(segment, 1.0, -segment->half_lengths[0], origin, upright, own);
     for (int k = 0; k < segment->elements; k++) {
         own -= OUTLINE_KNOT * rubber_knots(segment, k);
-        rubber_corners(rod, k, free, own);
+        rubber_corners(rod, k, free, 0, rubber_knots(segment, k), own);
         rubber_in_space(rod->elements[k].place, rod->elements[k].rotation, EDGES * rubber_knots(segment, k), own); /* here the plate's */
     }
     rubber_flat(segment, segment->begins, 0.0, clamp->place, clamp->rotation, points);

@@ -30,11 +30,15 @@ static inline const fingerfem_outline *rubber_outline(const fingerfem_segment *s
 }
 
 /* Parts of that: how many knots an element has; the corners of a section without warping, `size` times as large as the
- * plate's, `along` its x axis from a place, and those of an element's knots, seen from its distal section. */
+ * plate's, `along` its x axis from a place, and those of an element's knots `first` to `last` - 1,
+ * seen from its distal section. */
 int rubber_knots(const fingerfem_segment *segment, int element);
 void rubber_flat(const fingerfem_segment *segment, double size, double along, const double *place, const double *rotation,
                  double *corners);
-void rubber_corners(const rod_state *rod, int element, int free, double *corners);
+void rubber_corners(const rod_state *rod, int element, int free, int first, int last, double *corners);
+
+/* Coefficients of an element's outline at the rod's tensions, contracted at the first call. */
+const double *rubber_contracted(const rod_state *rod, int element);
 
 /* Corners of an element's knots where it is pressed, from the monomials of the tensions, or, from their derivatives by one, how
  * they change; there is room for them in the rod's work behind those of all knots. */

@@ -16,7 +16,7 @@ static void by_wrench(const rod_state *rod, int element, int number, const doubl
     const double way = WAY / largest;
     for (int side = 0; side < 2; side++) {
         for (int i = 0; i < W; i++) wrench[i] = rod->elements[element].wrench[i] + (side ? way : -way) * change[i];
-        outline_under(outline, rod_monomials(rod, element), wrench, corners + outline->numbers, corners);
+        outline_under(outline, rubber_contracted(rod, element), wrench, 0, outline->numbers, corners + outline->numbers, corners);
         rubber_point_of(at, corners + OUTLINE_KNOT * number, sides[side]);
     }
     for (int i = 0; i < 3; i++) found[i] = (sides[1][i] - sides[0][i]) / (2.0 * way);

@@ -65,17 +65,10 @@ int slices_near(const chain_rods *map, const chain_state *state, int q, const fi
     const double across = BULGING * fmax(1.0, segment->begins) * fmax(segment->half_lengths[1], segment->half_lengths[2]);
     double places[2][3], rotations[2][9];
     int any = 0;
-    memset(found, 0, (size_t)segment->elements + 2);
     slices_section(map, state, q, 0, places[0], rotations[0]);
     for (int e = 0; e < segment->elements; e++) {
         slices_section(map, state, q, e + 1, places[1], rotations[1]);
-        /* mark it where the object is near; unmarked neighbours become 2 */
-        if (least_gap(object, d, across, places, rotations) < near) {
-            any = found[e] = 1;
-            if (e && !found[e - 1]) found[e - 1] = 2;
-        } else if (e && found[e - 1] == 1) {
-            found[e] = 2;
-        }
+        any |= found[e] = least_gap(object, d, across, places, rotations) < near;
         memcpy(places[0], places[1], sizeof places[0]);
         memcpy(rotations[0], rotations[1], sizeof rotations[0]);
     }
@@ -86,16 +79,25 @@ const double *slices_corners(const chain_rods *map, const chain_state *state, in
 {
     const fingerfem_segment *segment = map->chain->segments[q];
     double *points = map->rods[q].work, *own = points + OUTLINE_KNOT * (segment->knots - 1), place[3], rotation[9];
+    int from = segment->knots, to = 0;
     /* last knot: the plate's back, a flat box */
     slices_section(map, state, q, 0, place, rotation);
     rubber_flat(segment, 1.0, -segment->half_lengths[0], place, rotation, own);
-    /* knots of the near elements, from the plate to the clamp, brought from their distal sections to space */
+    /* knots of which sections at the ends of near slices are made: `from` to `to` - 1 */
+    for (int n = 0; n < segment->places - 1; n++) {
+        if (!near[segment->place_elements[n]]) continue;
+        from = from < segment->first[n] ? from : segment->first[n];
+        to = segment->first[n + 1] + segment->near;
+    }
+    /* those of all elements, from the plate to the clamp, brought from their distal sections to space */
     for (int e = 0; e < segment->elements; e++) {
         own -= OUTLINE_KNOT * rubber_knots(segment, e);
-        if (!near[e]) continue;
+        const int begin = (int)(own - points) / OUTLINE_KNOT, count = rubber_knots(segment, e);
+        const int first = from > begin ? from - begin : 0, last = to < begin + count ? to - begin : count;
+        if (first >= last) continue;
         slices_section(map, state, q, e, place, rotation);
-        rubber_corners(map->rods + q, e, free, own);
-        rubber_in_space(place, rotation, OUTLINE_CORNERS * rubber_knots(segment, e), own);
+        rubber_corners(map->rods + q, e, free, first, last, own);
+        rubber_in_space(place, rotation, OUTLINE_CORNERS * (last - first), own + OUTLINE_KNOT * first);
     }
     /* first knot: the clamped section, a flat box */
     slices_section(map, state, q, segment->elements, place, rotation);

@@ -17,12 +17,11 @@ enum { SLICE_FACES = OUTLINE_CORNERS * FINGERFEM_MOST_VERTICES, SLICE_LINES = SL
 /* The place of a slice of a segment by its number; -1 if it is another one's. */
 int slices_place(const chain_rods *map, int segment, int number);
 
-/* Which elements of a segment an object at d may be near to, (elements + 2): 1 if it is, 2 for their neighbours; returns
- * whether any is. */
+/* Which elements of a segment an object at d may be near to, (elements); returns whether any is. */
 int slices_near(const chain_rods *map, const chain_state *state, int segment, const fingerfem_object *object, double d, double near,
                 unsigned char *found);
 
-/* Corners of the knots of such elements in space, (knots, 4, 3) [m], in the rod's work. */
+/* Corners in space of the knots that shape such elements, (knots, 4, 3) [m], in the rod's work. */
 const double *slices_corners(const chain_rods *map, const chain_state *state, int segment, int free, const unsigned char *near);
 
 /* A cross-section in space: its corners, the bulges of its faces across y and across z, and how far these are outside its corners, at most [m]. */

@@ -68,16 +68,16 @@ __attribute__((always_inline)) static inline void contract_block(const double *f
     }
 }
 
-void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted)
+void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, int rates, double *contracted)
 {
-    const int all = segment->monomials, t = segment->tensions, set = POSE * law->slope_count;
+    const int all = segment->monomials, t = rates ? segment->tensions : 0, set = POSE * law->slope_count;
     const double *from = law->coefficients;
     double *slopes = contracted + POSE * law->groups;
     for (int block = 0; block < law->groups / BLOCK; block++) {
         const int own = law->block_monomials[block];
         const int32_t *places = law->rows + BLOCK * block, *slope_places = law->slope_rows + BLOCK * block;
-        /* values and derivatives by the first two tensions; with the monomial 1 alone there are none */
-        if (own == 1) contract_block(from, 1, 1, monomials, all, contracted, places, slopes, set, slope_places);
+        /* values and derivatives by the first two tensions; with the monomial 1 alone these are 0 */
+        if (own == 1 || !rates) contract_block(from, 1, own, monomials, all, contracted, places, slopes, set, slope_places);
         else if (t == 1) contract_block(from, 2, own, monomials, all, contracted, places, slopes, set, slope_places);
         else contract_block(from, 3, own, monomials, all, contracted, places, slopes, set, slope_places);
         /* derivatives by tensions j and j + 1 */

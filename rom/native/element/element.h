@@ -11,9 +11,9 @@ enum { ELEMENT_PRODUCT = 4 /* numbers of a product of a force, or of a moment: i
 int element_contracted(const fingerfem_segment *segment, const fingerfem_law *law);
 int element_products(const fingerfem_segment *segment, const fingerfem_law *law);
 
-/* Coefficients of the wrench's products at tensions of which the monomials are known, (groups, 8), and their derivatives by
- * these, (tensions, slope_count, 8). */
-void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, double *contracted);
+/* Coefficients of the wrench's products at tensions of which the monomials are known, (groups, 8), and, with `rates`, their derivatives
+ * by these, (tensions, slope_count, 8). */
+void element_contract(const fingerfem_segment *segment, const fingerfem_law *law, const double *monomials, int rates, double *contracted);
 
 /* Pose and its derivatives by the wrench, (1 + 6, 8), from contracted coefficients; linear beyond the box. Products of force
  * and moment are left in `products`. */

@@ -5,16 +5,63 @@ enum { W = FINGERFEM_WRENCH, EIGHT = 8, MOST_ROWS = 6 /* eights of a sum that re
 typedef double eight __attribute__((vector_size(64), aligned(8), may_alias)); /* among plain numbers */
 typedef float singles __attribute__((vector_size(32), aligned(4), may_alias));
 
-int outline_work(const fingerfem_segment *segment)
+/* The largest numbers of corners, products, and contracted coefficients of all laws. */
+static void most_of(const fingerfem_segment *segment, int *numbers, int *products, int *contracted)
 {
-    /* the largest outline of all laws */
-    int products = 0, numbers = 0;
+    *numbers = *products = *contracted = 0;
     for (int k = 0; k < segment->laws && segment->knots; k++) {
         const fingerfem_outline *own = segment->outline[k];
-        products = own->products > products ? own->products : products;
-        numbers = own->numbers > numbers ? own->numbers : numbers;
+        const int all = own->products * own->numbers;
+        *products = own->products > *products ? own->products : *products;
+        *numbers = own->numbers > *numbers ? own->numbers : *numbers;
+        *contracted = all > *contracted ? all : *contracted;
     }
-    return OUTLINE_KNOT * segment->knots + numbers + products;
+}
+
+int outline_contracted(const fingerfem_segment *segment)
+{
+    int numbers, products, found;
+    most_of(segment, &numbers, &products, &found);
+    return found;
+}
+
+int outline_work(const fingerfem_segment *segment)
+{
+    int numbers, products, contracted;
+    most_of(segment, &numbers, &products, &contracted);
+    return OUTLINE_KNOT * segment->knots + numbers + products + contracted;
+}
+
+/* `rows` times eight contracted coefficients of all products from number `first` on: sum of coefficients_k M_k(F) over the terms k of each. */
+__attribute__((always_inline)) static inline void contract_rows(const fingerfem_outline *outline, int first, int rows, const double *monomials,
+                                                                double *contracted)
+{
+    const float *from = outline->coefficients + first;
+    for (int k = 0; k < outline->terms;) {
+        const int product = outline->term_products[k];
+        double *own = contracted + outline->numbers * product + first;
+        eight sums[MOST_ROWS] = {{0.0}};
+        for (; k < outline->terms && outline->term_products[k] == product; k++, from += outline->numbers) {
+            const double weight = monomials[outline->term_monomials[k]];
+#pragma GCC unroll 6
+            for (int i = 0; i < rows; i++) sums[i] += weight * __builtin_convertvector(*(const singles *)(from + EIGHT * i), eight);
+        }
+#pragma GCC unroll 6
+        for (int i = 0; i < rows; i++) *(eight *)(own + EIGHT * i) = sums[i];
+    }
+}
+
+/* How many eights of those left are computed at once: six, three or one, as registers hold them. */
+static int rows_of(int left) { return left >= MOST_ROWS ? MOST_ROWS : left >= 3 ? 3 : 1; }
+
+void outline_contract(const fingerfem_outline *outline, const double *monomials, double *contracted)
+{
+    for (int first = 0, rows; first < outline->numbers; first += rows * EIGHT) {
+        rows = rows_of((outline->numbers - first) / EIGHT);
+        if (rows == MOST_ROWS) contract_rows(outline, first, MOST_ROWS, monomials, contracted);
+        else if (rows == 3) contract_rows(outline, first, 3, monomials, contracted);
+        else contract_rows(outline, first, 1, monomials, contracted);
+    }
 }
 
 /* Products P_k of Chebyshev polynomials of the wrench, (products); linear beyond the box. */
@@ -45,35 +92,29 @@ static void wrench_products(const fingerfem_outline *outline, const double *wren
         }
 }
 
-/* Corners, `rows` times eight numbers from number `first` on: sum_k coefficients_k M_k(F) P_k(w). */
-__attribute__((always_inline)) static inline void sum_terms(const fingerfem_outline *outline, int first, int rows,
-                                                            const double *monomials, const double *products, double *corners)
+/* Corners, `rows` times eight numbers from number `first` on: sum_k contracted_k P_k(w). */
+__attribute__((always_inline)) static inline void sum_products(const fingerfem_outline *outline, int first, int rows,
+                                                               const double *contracted, const double *products, double *corners)
 {
-    const float *from = outline->coefficients + first;
+    const double *from = contracted + first;
     eight sums[MOST_ROWS] = {{0.0}};
-    /* every term's weight M(F) P(w), times its coefficients */
-    for (int k = 0; k < outline->terms; k++, from += outline->numbers) {
-        const double weight = monomials[outline->term_monomials[k]] * products[outline->term_products[k]];
+    for (int k = 0; k < outline->products; k++, from += outline->numbers)
 #pragma GCC unroll 6
-        for (int i = 0; i < rows; i++)
-            sums[i] += weight * __builtin_convertvector(*(const singles *)(from + EIGHT * i), eight);
-    }
+        for (int i = 0; i < rows; i++) sums[i] += products[k] * *(const eight *)(from + EIGHT * i);
 #pragma GCC unroll 6
     for (int i = 0; i < rows; i++) *(eight *)(corners + first + EIGHT * i) = sums[i];
 }
 
-void outline_under(const fingerfem_outline *outline, const double *monomials, const double *wrench, double *work, double *corners)
+void outline_under(const fingerfem_outline *outline, const double *contracted, const double *wrench, int first, int last, double *work,
+                   double *corners)
 {
-    int first = 0, left = outline->numbers / EIGHT;
+    first -= first % EIGHT;
     wrench_products(outline, wrench, work);
-    /* six, three or one eight at once, as registers hold them */
-    while (left) {
-        const int rows = left >= MOST_ROWS ? MOST_ROWS : left >= 3 ? 3 : 1;
-        if (rows == MOST_ROWS) sum_terms(outline, first, MOST_ROWS, monomials, work, corners);
-        else if (rows == 3) sum_terms(outline, first, 3, monomials, work, corners);
-        else sum_terms(outline, first, 1, monomials, work, corners);
-        first += rows * EIGHT;
-        left -= rows;
+    for (int rows; first < last; first += rows * EIGHT) {
+        rows = rows_of((last - first + EIGHT - 1) / EIGHT);
+        if (rows == MOST_ROWS) sum_products(outline, first, MOST_ROWS, contracted, work, corners);
+        else if (rows == 3) sum_products(outline, first, 3, contracted, work, corners);
+        else sum_products(outline, first, 1, contracted, work, corners);
     }
 }
 

@@ -41,9 +41,9 @@ static double combined(const fingerfem_segment *segment, int k, const double *te
     return 2.0 * (sum - segment->combined_lower[k]) / (segment->combined_upper[k] - segment->combined_lower[k]) - 1.0;
 }
 
-void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found)
+void tensions_monomials(const fingerfem_segment *segment, const double *tensions, int rates, double *found)
 {
-    const int t = segment->tensions, c = segment->combinations, all = segment->monomials;
+    const int t = rates ? segment->tensions : 0, c = segment->combinations, all = segment->monomials;
     double values[TENSIONS_MOST][TENSIONS_POWERS], slopes[TENSIONS_MOST][TENSIONS_POWERS], by_tension[TENSIONS_MOST][TENSIONS_POWERS];
     const double *tables[TENSIONS_MOST];
     /* Chebyshev polynomials of every z_k, and their slopes */
@@ -59,7 +59,7 @@ void tensions_monomials(const fingerfem_segment *segment, const double *tensions
         int first = 1;
         for (int k = 0; k < c; k++) {
             /* scale = dz_k/dF_j */
-            const double scale = 2.0 * segment->tension_map[t * k + j] / (segment->combined_upper[k] - segment->combined_lower[k]);
+            const double scale = 2.0 * segment->tension_map[segment->tensions * k + j] / (segment->combined_upper[k] - segment->combined_lower[k]);
             if (scale == 0.0) continue;
             /* products with the derivatives by F_j in place of table k */
             for (int i = 0; i <= segment->most_powers[k]; i++) by_tension[k][i] = scale * slopes[k][i];

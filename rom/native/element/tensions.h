@@ -30,8 +30,8 @@ static inline double tensions_clamped(double lower, double upper, double tension
 /* All tensions within a box, (count); returns whether they all were. */
 int tensions_all_clamped(int count, const double *lower, const double *upper, const double *tensions, double *held);
 
-/* Monomials of tensions inside their box, and their derivatives by these, (1 + tensions, monomials). */
-void tensions_monomials(const fingerfem_segment *segment, const double *tensions, double *found);
+/* Monomials of tensions inside their box, and, with `rates`, their derivatives by these, (1 + tensions, monomials). */
+void tensions_monomials(const fingerfem_segment *segment, const double *tensions, int rates, double *found);
 
 /* How far the corners of the plate, bent by the tensions, are from those of a box, (FINGERFEM_CORNERS) [m]; with a row of
  * derivatives of the monomials, how that changes. */

@@ -179,38 +179,45 @@ void chain_compose(const chain_rods *map, int first, int last, chain_state *stat
     }
 }
 
-void chain_without_weight(const chain_rods *map, const double *wrench, chain_state *state)
+void chain_without_weight(const chain_rods *map, const double *wrench, int motions, chain_state *state)
 {
-    const int w = chain_size(map), begin = first_moving(map);
+    const int w = motions ? chain_size(map) : 0, begin = first_moving(map);
     double transmitted[W] = {0.0}, by[W][CHAIN_INPUTS];
     /* derivatives of the transmitted wrench by all wrenches; unused for a single body */
-    for (int i = 0; i < W && map->count > 1; i++) memset(by[i], 0, (size_t)w * sizeof(double));
+    for (int i = 0; i < W && w && map->count > 1; i++) memset(by[i], 0, (size_t)w * sizeof(double));
     /* from tip to base */
     for (int b = map->count - 1; b >= begin; b--) {
         chain_body *body = state->bodies + b;
         /* add the wrench on this body */
         for (int i = 0; i < W; i++) {
             transmitted[i] += wrench[W * b + i];
-            if (map->count > 1) by[i][W * b + i] += 1.0;
+            if (w && map->count > 1) by[i][W * b + i] += 1.0;
             body->transmitted[i] = transmitted[i];
         }
         /* its part of the rod under that wrench: relative pose and compliance Y_w */
-        rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, transmitted, &body->end);
+        rod_under(map->rods + map->bodies[b].segment, map->bodies[b].part, transmitted, motions, &body->end);
         chain_locate(map, b, body);
         /* relative motion, Y_w dw, by the wrenches on this body and those beyond; of a single body Y_w itself */
-        for (int i = 0; i < W; i++) memset(body->motion[i], 0, (size_t)(W * b) * sizeof(double));
+        for (int i = 0; i < W && w; i++) memset(body->motion[i], 0, (size_t)(W * b) * sizeof(double));
         if (map->count > 1) relative_motion(W * b, w, by, body);
-        else for (int i = 0; i < W; i++) memcpy(body->motion[i], body->end.by_wrench[i], sizeof body->end.by_wrench[i]);
+        else for (int i = 0; i < W && w; i++) memcpy(body->motion[i], body->end.by_wrench[i], sizeof body->end.by_wrench[i]);
         if (b > begin) pass_on(body, W * b, w, transmitted, by);
     }
     /* from base to tip: poses in space, motions by wrenches */
     chain_compose(map, 0, w, state);
 }
 
+int chain_again(const chain_rods *map, const double *wrench, chain_state *state)
+{
+    if (map->weight) return chain_weight_under(map, wrench, state);
+    chain_without_weight(map, wrench, 0, state);
+    return 1;
+}
+
 int chain_under(const chain_rods *map, const double *wrench, chain_state *state)
 {
     if (map->weight) return chain_weight_under(map, wrench, state);
-    chain_without_weight(map, wrench, state);
+    chain_without_weight(map, wrench, 1, state);
     return 1;
 }
 

@@ -66,6 +66,9 @@ int chain_clamped(const fingerfem_chain *chain, const double *tensions, double *
 /* All segments at tensions inside their box, in memory of fingerfem_chain_memory's size; plates alone bear wrenches. For what
  * carries wrenches they must be contracted too; `chain_free` does so itself if the chain weighs. */
 void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
+
+/* The same without derivatives by the tensions, unless they differ by element. */
+void chain_set_constant(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found);
 void chain_contract(const chain_rods *map);
 
 /* Plates alone as bodies. */
@@ -95,6 +98,9 @@ static inline int chain_size(const chain_rods *map) { return W * map->count; }
 
 /* The bodies under wrenches, (6 bodies), and their motions by these; returns 0 if weight has no equilibrium there. */
 int chain_under(const chain_rods *map, const double *wrench, chain_state *state);
+
+/* The same where motions of an earlier pose do. */
+int chain_again(const chain_rods *map, const double *wrench, chain_state *state);
 
 /* The plates without a wrench: where they are, and their motions by the tensions; returns 0 if weight has no equilibrium, or
  * none that is stable. */

@@ -46,7 +46,8 @@ int chain_clamped(const fingerfem_chain *chain, const double *tensions, double *
     return tensions_all_clamped(chain->tensions, chain->lower, chain->upper, tensions, held);
 }
 
-void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found)
+/* All segments at tensions, with derivatives by them if `rates`. */
+static void set(const fingerfem_chain *chain, const double *tensions, int rates, double *memory, chain_rods *found)
 {
     int row = 0, elements = 0; /* of masses; elements of the segments before */
     found->chain = chain;
@@ -66,13 +67,23 @@ void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, do
         /* the rod at its segment's own tensions, and the corners of its bent plate */
         for (int i = 0; i < segment->tensions; i++) own[i] = tensions[chain->own[chain->tensions * k + i]];
         if (chain->guides) set_guided(chain, k, elements, memory, found->work, found->rods + k);
-        else rod_set_tensions(segment, own, memory, found->work, found->rods + k);
+        else rod_set_tensions(segment, own, rates, memory, found->work, found->rods + k);
         tensions_corners(segment, rod_monomials(found->rods + k, 0), found->corners[k]);
         elements += segment->elements;
         memory += rod_memory(segment, chain->guides != NULL);
         if (found->weight) found->rods[k].masses = chain->masses + row, found->rods[k].rubber = chain->rubber + row;
         row += 1 + segment->elements;
     }
+}
+
+void chain_set_tensions(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found)
+{
+    set(chain, tensions, 1, memory, found);
+}
+
+void chain_set_constant(const fingerfem_chain *chain, const double *tensions, double *memory, chain_rods *found)
+{
+    set(chain, tensions, 0, memory, found);
 }
 
 void chain_contract(const chain_rods *map)

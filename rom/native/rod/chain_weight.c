@@ -114,7 +114,7 @@ static void predict(const chain_rods *map, const double *wrench)
 static int grow(const chain_rods *map, const double *wrench, chain_state *state)
 {
     double *pull = map->weight->pull, last[3], slope[3] = {0.0}, share = 0.0, stage = STAGE;
-    chain_without_weight(map, wrench, state);
+    chain_without_weight(map, wrench, 1, state);
     start_from(map, state);
     memcpy(last, pull, sizeof last);
     while (share < 1.0) {
@@ -140,7 +140,7 @@ static int solve(const chain_rods *map, const double *wrench, chain_state *state
         predict(map, wrench);
         if (newton(map, wrench, 1.0, state)) return 1;
     }
-    chain_without_weight(map, wrench, state);
+    chain_without_weight(map, wrench, 1, state);
     start_from(map, state);
     if (newton(map, wrench, 1.0, state)) return 1;
     return grow(map, wrench, state);

@@ -18,7 +18,7 @@ void chain_loads_by_inputs(const chain_rods *map, int variants, chain_state *sta
 void chain_weight_change(const chain_load *body, const double *load, const double *moment, double *change);
 
 /* As `chain_under`, of a chain as if it did not weigh. */
-void chain_without_weight(const chain_rods *map, const double *wrench, chain_state *state);
+void chain_without_weight(const chain_rods *map, const double *wrench, int motions, chain_state *state);
 
 /* Pose of a body seen from the body before: arm a and rotation A. */
 void chain_locate(const chain_rods *map, int b, chain_body *body);

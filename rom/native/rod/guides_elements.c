@@ -42,7 +42,7 @@ void guides_without_wrench(guides_state *state)
         const double *tensions = guides_tensions(state, k);
         double inside[T], values[(1 + T) * POSE];
         for (int i = 0; i < t; i++) inside[i] = guides_held(state, own[i], tensions[own[i]]);
-        tensions_monomials(segment, inside, state->monomials);
+        tensions_monomials(segment, inside, 1, state->monomials);
         /* pose, then the shortenings of every six tendons */
         element_free(segment, segment->law[law], state->monomials, values);
         bend_of(values, t, own, values + POSE, element);
@@ -70,7 +70,7 @@ void guides_under(const chain_rods *map, guides_state *state)
         rod_seen(rod, e, seen);
         for (int six = 0; six < segment->sixes; six++) {
             const fingerfem_law *shortening = segment->shortening[segment->sixes * law + six];
-            element_contract(segment, shortening, rod_monomials(rod, e), rod->work);
+            element_contract(segment, shortening, rod_monomials(rod, e), 1, rod->work);
             element_pose(shortening, rod->work, seen, products, values);
             element_by_tensions(segment, shortening, rod->work, products, by);
             leave_six(segment->tensions, own, SHORTENINGS_SIX * six, values, by, element);

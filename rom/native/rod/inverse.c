@@ -19,9 +19,9 @@ int fingerfem_place(const fingerfem_segment *segment, const double *tensions, co
     rod_end end;
     /* the rod at the clamped tensions, under the wrench */
     const int within = tensions_all_clamped(segment->tensions, segment->lower, segment->upper, tensions, held);
-    rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
+    rod_set_tensions(segment, held, 1, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
-    rod_under(&rod, (rod_part){0, segment->elements}, wrench, &end);
+    rod_under(&rod, (rod_part){0, segment->elements}, wrench, 1, &end);
     rod_by_tensions(&rod, (rod_part){0, segment->elements}, by_tensions);
     /* plate seen from the clamp: R = Q^T, c = -Q^T p, with the clamp's p, Q seen from the plate */
     for (int i = 0; i < 3; i++) {
@@ -100,7 +100,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     double least = INFINITY, share = 1.0;
     /* the rod at the clamped tensions, and the target's rotation */
     *inside = tensions_all_clamped(segment->tensions, segment->lower, segment->upper, tensions, held);
-    rod_set_tensions(segment, held, memory, memory + rod_memory(segment, 0), &rod);
+    rod_set_tensions(segment, held, 1, memory, memory + rod_memory(segment, 0), &rod);
     rod_contract(&rod);
     rotation_of(quaternion, target);
     /* start: the given wrench, or none if it is not finite */
@@ -112,7 +112,7 @@ int fingerfem_bear(const fingerfem_segment *segment, const double *tensions, con
     memset(stiffness, 0, W * W * sizeof *stiffness);
     for (int evaluations = 1; evaluations <= EVALUATIONS; evaluations++) {
         /* pose under the tried wrench, and its distance from the target [m] */
-        rod_under(&rod, (rod_part){0, segment->elements}, tried, &end);
+        rod_under(&rod, (rod_part){0, segment->elements}, tried, 1, &end);
         motion_to(&end, centre, target, motion);
         const double off = size_of(segment, motion);
         if (!(off < least)) { /* no decrease: half the step from the last wrench */

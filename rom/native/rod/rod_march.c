@@ -30,9 +30,10 @@ static int most(const fingerfem_segment *segment, int (*of)(const fingerfem_segm
 
 int rod_memory(const fingerfem_segment *segment, int guided)
 {
-    /* per element: its state and products; per law, or element: contracted coefficients and the free pose with derivatives */
+    /* per element: its state and products; per law, or element: contracted coefficients, also of the outline, and the free
+     * pose with derivatives */
     const int element = (int)(sizeof(rod_element) / sizeof(double)) + most(segment, element_products);
-    const int set = most(segment, element_contracted) + POSE * (1 + segment->tensions);
+    const int set = most(segment, element_contracted) + POSE * (1 + segment->tensions) + ROD_OUTLINED + outline_contracted(segment);
     const int deviations = POSE * segment->elements * segment->deviating;
     const int monomials = (1 + segment->tensions) * segment->monomials * (guided ? segment->elements : 1);
     const int own = guided ? segment->elements * segment->tensions : 0;
@@ -60,12 +61,16 @@ static double *lay_out(const fingerfem_segment *segment, int guided, double *mem
     found->free_stride = POSE * (1 + segment->tensions);
     found->contracted_stride = most(segment, element_contracted);
     found->products_stride = most(segment, element_products);
+    found->outlines_stride = ROD_OUTLINED + outline_contracted(segment);
     memory += (0 - (uintptr_t)memory / sizeof *memory) % POSE; /* a row lies in one line of the cache */
-    /* arrays one after another: contracted, free, elements, products, deviations, monomials */
+    /* arrays one after another: contracted, free, outlines, elements, products, deviations, monomials */
     found->contracted = memory;
     memory += sets * found->contracted_stride;
     found->free = memory;
     memory += sets * found->free_stride;
+    found->outlines = memory;
+    memory += sets * found->outlines_stride;
+    for (int k = 0; k < sets; k++) found->outlines[found->outlines_stride * k] = 0.0;
     found->elements = (rod_element *)memory;
     memory += segment->elements * (int)(sizeof(rod_element) / sizeof(double));
     found->products = memory;
@@ -78,12 +83,13 @@ static double *lay_out(const fingerfem_segment *segment, int guided, double *mem
     return found->monomials + (1 + segment->tensions) * segment->monomials * (guided ? segment->elements : 1);
 }
 
-void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found)
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, int rates, double *memory, double *work, rod_state *found)
 {
     lay_out(segment, 0, memory, work, found);
-    /* tensions, their monomials and the derivatives of these */
+    found->rates = rates;
+    /* tensions, their monomials, and derivatives of these */
     memcpy(found->tensions, tensions, (size_t)segment->tensions * sizeof *tensions);
-    tensions_monomials(segment, tensions, found->monomials);
+    tensions_monomials(segment, tensions, rates, found->monomials);
 }
 
 /* Derivatives of `count` monomials, a row for every tension of an element, (tensions, all), become those by the tensions at the
@@ -106,12 +112,13 @@ void rod_set_guided(const fingerfem_segment *segment, const double *tensions, co
 {
     const int t = segment->tensions, all = segment->monomials;
     double *own = lay_out(segment, 1, memory, work, found);
+    found->rates = 1;
     found->own_tensions = own;
     memcpy(own, tensions, (size_t)(segment->elements * t) * sizeof *own);
     for (int k = 0; k < segment->elements; k++) {
         double *monomials = rod_monomials(found, k);
         int m = 0;
-        tensions_monomials(segment, own + t * k, monomials);
+        tensions_monomials(segment, own + t * k, 1, monomials);
         /* some monomials at once, then the last ones */
         for (; m + SOME <= all; m += SOME) by_motors(SOME, t, all, rates + t * t * k, monomials + all + m);
         by_motors(all - m, t, all, rates + t * t * k, monomials + all + m);
@@ -123,7 +130,7 @@ void rod_contract(const rod_state *rod)
     const fingerfem_segment *segment = rod->segment;
     /* law by law, or element by element */
     for (int k = 0; k < (rod->guided ? segment->elements : segment->laws); k++)
-        element_contract(segment, rod->guided ? law_of(rod, k) : segment->law[k], rod_monomials(rod, k),
+        element_contract(segment, rod->guided ? law_of(rod, k) : segment->law[k], rod_monomials(rod, k), rod->rates,
                          rod->contracted + k * rod->contracted_stride);
 }
 
@@ -154,7 +161,7 @@ int rod_pose(const rod_state *rod, int k)
     return element_inside(law, seen);
 }
 
-void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end)
+void rod_under(const rod_state *rod, rod_part part, const double *wrench, int motions, rod_end *end)
 {
     follow_motion moved[WIDE_SIX] = {{{{0.0}}, {{0.0}}}};
     double seen[W * POSE];
@@ -169,13 +176,14 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_en
         follow_advance(element, end->place, end->rotation);
         /* by the body's wrench: changes of the wrench through the element, of its pose, of the proximal section */
 #pragma GCC unroll 3
-        for (int six = 0; six < WIDE_SIX; six++) {
+        for (int six = 0; six < WIDE_SIX && motions; six++) {
             wide carried[W], change[W] = {{0.0}};
             follow_carry(wrench, element, moved + six, 1, WIDE * six, carried);
             follow_by_wrench(element, carried, change);
             follow_move(element, change, moved + six);
         }
     }
+    if (!motions) return;
     /* motion of the body seen from the end of its part, by its wrench */
     for (int six = 0; six < WIDE_SIX; six++) follow_from_clamp(end->place, moved + six, seen + WIDE * six);
     for (int i = 0; i < W; i++) memcpy(end->by_wrench[i], seen + POSE * i, sizeof end->by_wrench[i]);

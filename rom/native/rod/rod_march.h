@@ -28,9 +28,11 @@ typedef struct {
 typedef struct {
     const fingerfem_segment *segment;
     double *monomials, *free, *contracted, *products, *work; /* products by element, free and contracted by law */
+    int rates;  /* whether derivatives by the tensions are there */
     int guided; /* whether tensions differ by element, by friction in guides: then monomials, free and contracted are by element */
     double *deviations;                                      /* of the variants of all elements, (elements, count, 8) */
-    int free_stride, contracted_stride, products_stride;
+    double *outlines; /* contracted ones by law, or element, each behind ROD_OUTLINED numbers: the first one is 1 once it is there */
+    int free_stride, contracted_stride, products_stride, outlines_stride;
     double tensions[TENSIONS_MOST];
     const double *own_tensions; /* of every element, (elements, tensions); NULL unless guided */
     rod_element *elements;
@@ -49,6 +51,8 @@ typedef struct {
 typedef struct {
     double move[3][TENSIONS_MOST], turn[3][TENSIONS_MOST];
 } rod_motion;
+
+enum { ROD_OUTLINED = FINGERFEM_POSE }; /* so that rows lie in lines of the cache */
 
 /* Which set of monomials, contracted coefficients and free poses is an element's. */
 static inline int rod_set_of(const rod_state *rod, int k) { return rod->guided ? k : rod->segment->law_of[k]; }
@@ -88,8 +92,8 @@ static inline void rod_seen(const rod_state *rod, int k, double *seen)
 int rod_memory(const fingerfem_segment *segment, int guided);
 int rod_work(const fingerfem_segment *segment);
 
-/* A rod at tensions inside their box, in such memory; for `rod_free`, it need not be contracted. */
-void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, double *memory, double *work, rod_state *found);
+/* A rod at tensions inside their box, in such memory, with derivatives by them if `rates`; for `rod_free`, it need not be contracted. */
+void rod_set_tensions(const fingerfem_segment *segment, const double *tensions, int rates, double *memory, double *work, rod_state *found);
 
 /* The same where tensions differ by element, (elements, tensions), inside their box; with their derivatives by those at the motors,
  * (elements, tensions, tensions). The former are read until the rod is set anew. */
@@ -106,8 +110,8 @@ typedef struct {
 /* The pose of an element of a contracted rod under its wrench, and its derivatives by that; returns 1 if the law is inside its box. */
 int rod_pose(const rod_state *rod, int k);
 
-/* The end of a part of a contracted rod under a wrench on its body, (6). */
-void rod_under(const rod_state *rod, rod_part part, const double *wrench, rod_end *end);
+/* The end of a part of a contracted rod under a wrench on its body, (6), and, with `motions`, how it moves by that. */
+void rod_under(const rod_state *rod, rod_part part, const double *wrench, int motions, rod_end *end);
 
 /* Motion of the body by the tensions, (6, TENSIONS_MOST), under the wrench that `rod_under` was called with last. */
 void rod_by_tensions(const rod_state *rod, rod_part part, double (*motion)[TENSIONS_MOST]);

@@ -115,7 +115,7 @@ static void under(const rod_state *rod, rod_part part, const double *pull, short
         for (int six = 0; six < sixes; six++) {
             double *contracted = rod->work + six * rod->contracted_stride;
             if (k == part.first || rod_set_of(rod, k) != rod_set_of(rod, k - 1))
-                element_contract(segment, laws[six], rod_monomials(rod, k), contracted);
+                element_contract(segment, laws[six], rod_monomials(rod, k), 1, contracted);
             add_six(rod, k, laws[six], contracted, &changes, POSE * six, found);
         }
     }

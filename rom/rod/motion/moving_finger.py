@@ -128,8 +128,9 @@ class MovingFinger:
 
     def _checked(self, parameters: ArrayLike) -> np.ndarray:
         point = self.model.checked(parameters, most=1)
-        if not (point > -np.inf).all() or np.isinf(point[: self._t]).any():
-            raise ModelError(f"parameters must be numbers {', '.join(self.model.names)}, got {point.tolist()}")
+        given = point.tolist()
+        if not all(value > -np.inf for value in given) or np.inf in given[: self._t]:
+            raise ModelError(f"parameters must be numbers {', '.join(self.model.names)}, got {given}")
         return point
 
     def step(
@@ -173,7 +174,7 @@ class MovingFinger:
                 continue
             found, self.time, inside = now, self.time + ahead, inside and now.inside
         self._point = goal
-        return self._report(found._replace(inside=inside) if found else None)
+        return self._report(found, inside)
 
     def frequencies(self, parameters: ArrayLike, count: int = 3) -> np.ndarray:
         """Return natural frequencies about the relaxed equilibrium, shape (count,) [Hz].
@@ -250,7 +251,7 @@ class MovingFinger:
             self._state, self._base = found.state, base
         return found
 
-    def _report(self, found: Stepped | None) -> MotionState:
+    def _report(self, found: Stepped | None, inside: bool = False) -> MotionState:
         tip = self._stepper.moving(self._state)[self._tip]
         if found is None:
             nothing = np.full(3, np.nan)
@@ -264,7 +265,7 @@ class MovingFinger:
                 dissipated=np.nan,
             )
         return MotionState(
-            status="converged" if found.inside else "out_of_domain",
+            status="converged" if inside else "out_of_domain",
             time=self.time,
             tip=tip[:3] - self._rest,
             velocity=tip[12:15].copy(),
