@@ -22,7 +22,7 @@ def _same(*names: str) -> dict[str, str]:
 
 
 OTHER_NAMES = {"reference": "full_order", "ours": "reduced", "finite_elements": "felupe.comparison"}
-FIFTIES = "first second third fourth fifth"  # up to the tenth
+FIFTIES = "first second third fourth fifth sixth seventh eighth ninth tenth"
 GRASPS = {fifty: f"grasps:{fifty}" for fifty in FIFTIES.split()}
 SIMULATED = _same("pictures", "real_time")
 # In this order: later studies use the snapshot sets of earlier ones.

@@ -29,6 +29,8 @@ INTEGRATORS = {  # which MuJoCo offers alone
 }
 # Smallest impratio: stiffness of sticking friction over that of contacts [-]. By its inverse yields what sticks.
 STICKING = 1000.0
+# Least evaluations along a line and largest tolerance of MuJoCo's solver; acceleration that may be left [m/s^2].
+SEARCHED, PRECISE, SETTLED = 500, 1e-12, 1e-2
 
 
 class SimulationStopped(FloatingPointError):
@@ -59,11 +61,12 @@ class Simulation:
         left: whether a finger left its trained domain of tensions and wrenches since `reset`, shape (fingers,).
         lost: likewise, whether an element's law did not reach its pose, about which its force is then linear; or an
             object entered the rubber without contact. The finger's contact forces are not valid.
-        unsettled: number of steps since `reset` without convergence to Coulomb's law (control.mujoco.contact.coulomb).
+        unsettled: number of steps since `reset` without convergence to Coulomb's law (control.mujoco.contact.coulomb),
+            or of MuJoCo's solver.
 
     Args:
-        model: compiled after all fingers were attached. It gets elliptic cones and an impratio of at least 1000,
-            without islands, automatic reset, multiccd and midphase.
+        model: compiled after all fingers were attached. It gets elliptic cones, an impratio of at least 1000, a
+            solver that converges, and no islands, automatic reset, multiccd and midphase.
         fingers: returned by `attach`, all with the same number of tensions.
         rate: largest rate of a tension [N/s]; with chambers one for each load [N/s, Pa/s].
         coulomb: whether fingers slide by Coulomb's law; else by MuJoCo's own relaxation, which takes less time.
@@ -94,6 +97,9 @@ class Simulation:
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MULTICCD
         # MuJoCo bounds planes by boxes of 1e10 m, whose round-off loses contacts of micrometres: a corner then bounces.
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+        # Stiff friction needs up to 60 evaluations along a line. MuJoCo's 50 left forces of 15 N in place of 5 N.
+        model.opt.ls_iterations = max(model.opt.ls_iterations, SEARCHED)
+        model.opt.tolerance = min(model.opt.tolerance, PRECISE)
         self.data = mujoco.MjData(model)
         self.wanted = np.zeros((len(fingers), len(fingers[0].rod.names)))
         self.tensions = np.zeros_like(self.wanted)
@@ -156,10 +162,14 @@ class Simulation:
         mujoco.mj_factorM(model, data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
+        is_solved = True
         if self._coulomb:
-            self.unsettled += not solve(self._engine, self._own)
+            is_solved = solve(self._engine, self._own)
         else:
             mujoco.mj_fwdConstraint(model, data)
+        iterations = int(data.solver_niter[0])
+        is_solved &= iterations == 0 or data.solver.gradient[iterations - 1] <= SETTLED
+        self.unsettled += not is_solved
         self._contacts.note()
         self._sticking.note()
         mujoco.mj_sensorAcc(model, data)

@@ -106,6 +106,17 @@ def test_plants_go_on_when_the_user_has_let_time_pass_or_begun_anew(rod):
     assert simulation.time == pytest.approx(0.01)
 
 
+def test_a_step_that_the_solver_leaves_early_counts_as_unsettled(rod):
+    """The finger reaches the wall within 0.2 s; one Newton iteration does not suffice there."""
+    settled, cut = before_a_wall(rod), before_a_wall(rod)
+    cut.model.opt.iterations = 1
+    for one in (settled, cut):
+        one.pull(0, (30.0, 5.0))
+        one.advance(0.2)
+        assert one.contact_forces()[0] > 1
+    assert settled.unsettled < 5 < cut.unsettled
+
+
 @pytest.mark.long
 def test_half_the_step_changes_a_held_force_little(rod):
     forces = [rested(before_a_wall(rod, step=step, gravity=-9.81), (30.0, 5.0)) for step in (0.001, 0.0005)]
