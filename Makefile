@@ -97,7 +97,7 @@ docs: readme .venv/ready out/peers/felupe/ready
 	@$(AS_ROOT) && apt-get install -qy --no-install-recommends libegl1 libgl1-mesa-dri libopengl0 >/dev/null || true
 	$(MEASURED) python3 -m studies.runner --part engine/full_order
 	OPENBLAS_NUM_THREADS=1 MUJOCO_GL=egl FINGERFEM_COMMIT="$(COMMIT)" .venv/bin/python -m studies.runner \
-		--part engine/simulated $(foreach part,first second third fourth fifth pictures real_time,--part grasping/$(part))
+		--part engine/simulated $(foreach part,first second third fourth fifth sixth seventh eighth ninth tenth pictures real_time,--part grasping/$(part))
 	$(MEASURED) python3 -m studies.runner
 	$(MAKE) gallery
 
