@@ -175,8 +175,9 @@ void rod_under(const rod_state *rod, rod_part part, const double *wrench, int mo
         end->inside &= rod_pose(rod, k);
         follow_advance(element, end->place, end->rotation);
         /* by the body's wrench: changes of the wrench through the element, of its pose, of the proximal section */
+        if (!motions) continue;
 #pragma GCC unroll 3
-        for (int six = 0; six < WIDE_SIX && motions; six++) {
+        for (int six = 0; six < WIDE_SIX; six++) {
             wide carried[W], change[W] = {{0.0}};
             follow_carry(wrench, element, moved + six, 1, WIDE * six, carried);
             follow_by_wrench(element, carried, change);
