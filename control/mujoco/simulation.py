@@ -107,7 +107,7 @@ class Simulation:
         self._finger_of = np.full(model.ngeom + 1, -1)  # by geom; the last one for none, as of a flex
         for k, one in enumerate(self.rubber):
             self._finger_of[:-1][np.isin(model.geom_bodyid, one.bodies)] = k
-        self._own = self._finger_of[:-1] >= 0
+        self._own, self._residual = self._finger_of[:-1] >= 0, np.zeros(model.nv)
         self._engine = Engine(model, self.data)
         self._contacts = RubberContacts(self._engine, self.rubber)
         self._sticking = Sticking(self._engine, self._own)
@@ -167,9 +167,10 @@ class Simulation:
             is_solved = solve(self._engine, self._own)
         else:
             mujoco.mj_fwdConstraint(model, data)
-        iterations = int(data.solver_niter[0])
-        is_solved &= iterations == 0 or data.solver.gradient[iterations - 1] <= SETTLED
-        self.unsettled += not is_solved
+        mujoco.mj_mulM(model, data, self._residual, data.qacc)
+        self._residual -= data.qfrc_smooth + data.qfrc_constraint
+        left = np.linalg.norm(self._residual) / (model.stat.meaninertia * model.nv)
+        self.unsettled += not (is_solved and left <= SETTLED)
         self._contacts.note()
         self._sticking.note()
         mujoco.mj_sensorAcc(model, data)

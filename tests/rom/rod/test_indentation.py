@@ -49,7 +49,7 @@ def elliptic(ratio):
 def test_a_ball_presses_on_a_circle_as_in_contact_of_hertz(radius):
     """Both round, of elliptic contact area; the radius is over the finger's. Deeper, the finger is no half space.
 
-    Weight stretches the finger, which makes it thinner by up to a tenth of the depth: there is none.
+    The finger has no weight, which would stretch it: then it is thinner by up to a tenth of the depth.
     """
     circle = TouchedSegment.load("round").rod.with_gravity((1, 0, 0), 1e-9)
     young, poisson, half = circle.segments[0].young_modulus, circle.segments[0].poisson, circle.half_lengths[1]
