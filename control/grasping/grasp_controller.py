@@ -19,7 +19,7 @@ from rom.brief import brief
 from rom.dataset.actuators import refuse_chambers
 
 SMOOTH = 0.2  # largest weight of a new reading in the smoothed contact force, with a noisy sensor [-]
-SURPRISED = 3  # consecutive unexpected readings before they get full weight
+SURPRISED = 3  # consecutive unexpected readings before the next ones get full weight
 AGAIN = 1.25  # times the lead tension when held contact is lost: its limit while the finger seeks contact again [-]
 BEYOND = 1.5  # times the lead tension predicted for the target: above it, the sensor counts as failed [-]
 
@@ -44,9 +44,10 @@ class Grip:
         tensions: to be pulled now, shape (tensions,) [N].
         stage: approach, squeeze or hold.
         status: converged while it holds its target; or why not: "moving", "no_contact" (nothing felt up to the highest
-            tension), "lost_contact" (what was held is gone), "sensor_failed" (no usable reading, or one that does not
-            answer to far more tension than the target should take), "unreachable" or "out_of_domain" (see
-            control.finger); with these three the tensions stay.
+            tension), "lost_contact" (what was held is gone), "sticks" (with a dead band: the force stays above the
+            target, as less tension would press harder), "sensor_failed" (no usable reading, or one that does not answer
+            to far more tension than the target should take), "unreachable" or "out_of_domain" (see control.finger);
+            with the last three the tensions stay.
         felt: contact force by the readings, smoothed [N].
         distance: the estimated distance d* of the plane, nan before touch [m].
         events: what happened, by pull: "touch", "surprise", "lost", "blind", "sees again", "does not answer", "target
@@ -70,8 +71,8 @@ class Grip:
             raise ValueError(
                 f"contact_force must be above {options.least_target:.3g} N to differ from no contact, got {target:g}"
             )
-        self._trusted, self._held, self._cap = np.nan, False, np.inf
-        self._touching = self._blind = self._surprised = self._missing = self._steady = self._seen = 0
+        self._trusted, self._held, self._cap, self._eased = np.nan, False, np.inf, np.inf
+        self._touching = self._blind = self._surprised = self._missing = self._steady = self._seen = self._sticks = 0
         self._highest = float(finger.upper[finger.model.lead])
         self.target = target
 
@@ -107,10 +108,11 @@ class Grip:
         lower, upper = (listed(end) for end in (finger.lower, finger.upper))
         target, end = f"contact_force {self._target:g} N", f"{finger.upper[finger.model.lead]:g} N"
         nearest, farthest = (end[-1] for end in finger.model.limits)
-        feel = f"{options.threshold:g} N"
+        feel, held = f"{options.threshold:g} N", f"contact_force {self.felt:.4g} N"
         return {
             "no_contact": f"contact must be felt above {feel} at lead tensions up to {end}, nothing was",
             "lost_contact": f"contact must be felt again at lead tensions up to {self._highest:g} N, nothing was",
+            "sticks": f"{held} felt must be {self._target:g} N, but the contact sticks: less tension presses harder",
             "sensor_failed": f"readings must be finite, less than {options.patience} pulls late and follow the "
             f"tensions, but after {self.pulls} pulls they are not",
             "unreachable": f"{target} at distance {self.distance:g} m must be met by tensions {lower} to {upper} N",
@@ -180,7 +182,8 @@ class Grip:
     def _squeeze(self, felt: float, then: np.ndarray) -> None:
         self._seen += 1
         gain = max(self._gain, min(1 / self._seen, self._options.fastest))
-        self.felt += max(self._smooth, 1 / self._seen) * (felt - self.felt)
+        weight = 1.0 if self._surprised >= SURPRISED else max(self._smooth, 1 / self._seen)
+        self.felt += weight * (felt - self.felt)
         if self._lost(felt) or self._missing:
             return
         growing = self._aim < self._target
@@ -203,7 +206,7 @@ class Grip:
         if held != CONVERGED:
             self.status = "unreachable" if np.isfinite(self.distance) else "out_of_domain"
             return
-        if self._close_enough():
+        if self._close_enough() or self._stuck(tensions):
             tensions = self.tensions
         change = self._finger.limits.rate * self._options.period
         change_wanted = tensions - self.tensions
@@ -215,7 +218,8 @@ class Grip:
         wide = 2 if self.status == "converged" else 1  # a finger that holds may deviate by twice the tolerance
         near = abs(self.felt - self._target) <= wide * self._options.tolerance * self._target
         self._steady = self._steady + 1 if self.stage == "hold" and near else 0
-        self.status = "converged" if self._steady >= min(1 / self._smooth, PAST) else "moving"
+        steady = min(1 / self._smooth, PAST)
+        self.status = "converged" if self._steady >= steady else "sticks" if self._sticks >= steady else "moving"
         if self.status == "converged" and not np.isfinite(self._trusted):
             self._trusted, self._held = self.distance, True
             self._cap = self._most()
@@ -224,6 +228,15 @@ class Grip:
         """True if the felt force needs no correction; a force above the aim in a squeeze waits for the aim to grow."""
         band = self._options.dead_band * self._target
         return band > 0 and min(self._aim, self._target - band) <= self.felt <= self._target + band
+
+    def _stuck(self, tensions: np.ndarray) -> bool:
+        """True if the force grows with less tension: a finger that sticks gets longer, and presses harder."""
+        lead = self._finger.model.lead
+        lowers = self._options.dead_band > 0 and tensions[lead] < self.tensions[lead]
+        self._eased = min(self._eased, self.felt) if lowers else np.inf
+        sticks = lowers and self.felt > self._eased + 3 * self._smooth * self._options.noise
+        self._sticks = self._sticks + 1 if sticks else 0
+        return sticks
 
     def _lost(self, felt: float) -> bool:
         """True if contact is lost: then it closes again, but not much beyond where it held something."""

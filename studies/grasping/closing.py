@@ -11,7 +11,8 @@ from control.grasping.grasp_controller import Grip
 
 GENTLY = 0.4  # of the held force, with which fingers wait for each other [-]
 SAFE = 0.9  # share of the force that crushes: readings of a growing force are late [-]
-SQUEEZE = 0.3  # from there to the held force [s]
+HOLDS = "converged", "sticks"  # statuses of a finger that presses at least with its target
+SQUEEZE = 0.6  # from there to the held force [s]
 
 
 @dataclass
@@ -65,13 +66,11 @@ class Closing:
         worst = int(np.argmax(felt))
         if felt[worst] > SAFE * self.most:
             return f"finger {worst} presses with {felt[worst]:.3g} N, near the admissible {self.most:.3g} N"
-        return self.failed() if any(grip.done and grip.status != "converged" for grip in self.grips) else ""
+        return self.failed() if any(grip.done and grip.status not in HOLDS for grip in self.grips) else ""
 
     def failed(self) -> str:
-        """Which fingers do not hold, and why."""
-        return ", ".join(
-            f"finger {k}: {grip.status}" for k, grip in enumerate(self.grips) if grip.status != "converged"
-        )
+        """Which fingers do not hold, and why; one that sticks presses harder than its target, and holds."""
+        return ", ".join(f"finger {k}: {grip.status}" for k, grip in enumerate(self.grips) if grip.status not in HOLDS)
 
     @property
     def centre(self) -> np.ndarray:

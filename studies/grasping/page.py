@@ -58,6 +58,7 @@ def prepare(found: dict, folder: Path) -> dict:
         "outside": sum(row["beside"] > row["planned"] for row in held),
         "slip": {"median": float(np.median(slips)), "max": max(slips)},
         "force_error": float(np.median([row["force_error"] for row in held])),
+        "sticks": [row["force_error"] for row in held if row["sticks"]],
         "hardest": max(row["hardest"] / row["admissible_force"] for row in held),
         "stood": sum(row["tilt"] < TIPPED for row in held),
         "seconds": float(np.median([row["closing_seconds"] for row in held])),

@@ -104,7 +104,7 @@ def perform(hand: Hand, one: Trial, layout: Layout) -> dict[str, Any]:
     height, table_error = approach(hand, one, layout)
     closing = close(hand, one, layout)
     row: dict[str, Any] = {"closing_seconds": hand.simulation.time, "table_error": table_error}
-    row |= {"again": bool(np.isinf(closing.planned))}
+    row |= {"again": bool(np.isinf(closing.planned)), "sticks": any(grip.status == "sticks" for grip in closing.grips)}
     row |= {"beside": hand.beside(), "tilted": hand.tilt()}
     doubt = closing.doubt or closing.failed()
     if not doubt:
