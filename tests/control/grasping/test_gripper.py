@@ -43,6 +43,33 @@ def test_in_a_dead_band_nothing_is_corrected(table):
     assert np.abs(left.contact_forces - 1).max() < 0.15
 
 
+class Sticking(SimulatedPlant):
+    """It keeps the contact of its highest tension, and gets longer with less: it then presses harder."""
+
+    highest = np.zeros(2)
+
+    def pull(self, tensions):
+        self.highest = np.maximum(self.highest, tensions)
+        return super().pull(self.highest) + 0.1 * float(self.highest[0] - tensions[0])
+
+
+def test_a_finger_that_sticks_does_not_press_harder_and_harder(table):
+    """A smaller target is met by a finger that slides; of one that sticks the tensions stay, and that is a status."""
+    options = GraspOptions(squeeze_steps=10, approach_step=0.5, tolerance=0.15, dead_band=0.15)
+    for plant, status in ((SimulatedPlant(table, 0.01), "converged"), (Sticking(table, 0.01), "sticks")):
+        grip = Gripper(table).grips(1.0, options)[0]
+        felt = []
+        for target in (1.0, 0.7, 1.2):
+            grip.target = target
+            for _ in range(300):
+                felt.append(plant.pull(grip.tensions))
+                grip.step(felt[-1])
+            assert grip.status == (status if target == 0.7 else "converged")
+            assert ("less tension presses harder" in grip.reason) == (grip.status == "sticks")
+        assert felt[599] == felt[400] and max(felt[300:600]) < 1.2 * felt[299]
+        assert felt[-1] == pytest.approx(1.2, rel=0.15)
+
+
 def test_readings_are_believed_no_faster_than_a_finger_settles(table):
     options = GraspOptions(period=0.005, settling=0.05)
     assert options.gain(1.0) == pytest.approx(0.1) and GraspOptions(period=0.005).gain(1.0) == 1.0
