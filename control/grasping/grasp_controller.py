@@ -48,6 +48,8 @@ class Grip:
             target, as less tension would press harder), "sensor_failed" (no usable reading, or one that does not answer
             to far more tension than the target should take), "unreachable" or "out_of_domain" (see control.finger);
             with the last three the tensions stay.
+        confined: False, which its owner may set, while the object can move away from this finger, as others have not
+            touched it yet. A finger that sticks then lowers its tension all the same.
         felt: contact force by the readings, smoothed [N].
         distance: the estimated distance d* of the plane, nan before touch [m].
         events: what happened, by pull: "touch", "surprise", "lost", "blind", "sees again", "does not answer", "target
@@ -64,7 +66,7 @@ class Grip:
         self._finger, self._options = finger, options
         self.tensions = finger.lower.copy()
         self.stage, self.status, self.felt, self.distance = "approach", "moving", 0.0, np.nan
-        self.events, self.pulls = list[tuple[int, str]](), 0
+        self.events, self.pulls, self.confined = list[tuple[int, str]](), 0, True
         self._past: deque[np.ndarray] = deque(maxlen=PAST)
         self._target = self._aim = 0.0
         if not options.least_target < target < np.inf:
@@ -232,7 +234,7 @@ class Grip:
     def _stuck(self, tensions: np.ndarray) -> bool:
         """True if the force grows with less tension: a finger that sticks gets longer, and presses harder."""
         lead = self._finger.model.lead
-        lowers = self._options.dead_band > 0 and tensions[lead] < self.tensions[lead]
+        lowers = self.confined and self._options.dead_band > 0 and tensions[lead] < self.tensions[lead]
         self._eased = min(self._eased, self.felt) if lowers else np.inf
         sticks = lowers and self.felt > self._eased + 3 * self._smooth * self._options.noise
         self._sticks = self._sticks + 1 if sticks else 0

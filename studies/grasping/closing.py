@@ -50,6 +50,9 @@ class Closing:
 
     def targets(self) -> np.ndarray:
         """Contact forces from now on, shape (fingers,) [N]: all squeeze once all have touched."""
+        confined = all(grip.stage != "approach" for grip in self.grips)
+        for grip in self.grips:
+            grip.confined = confined
         self.doubt = self.doubt or self.doubt_now()
         if self.doubt or self.again:
             return self.share * self.wanted
