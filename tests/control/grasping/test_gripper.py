@@ -68,6 +68,10 @@ def test_a_finger_that_sticks_does_not_press_harder_and_harder(table):
             assert ("less tension presses harder" in grip.reason) == (grip.status == "sticks")
         assert felt[599] == felt[400] and max(felt[300:600]) < 1.2 * felt[299]
         assert felt[-1] == pytest.approx(1.2, rel=0.15)
+    grip.confined, grip.target, before = False, 0.7, grip.tensions[0]  # a free object moves away
+    for _ in range(20):
+        grip.step(plant.pull(grip.tensions))
+    assert grip.tensions[0] < before - 3 and grip.status == "moving"
 
 
 def test_readings_are_believed_no_faster_than_a_finger_settles(table):
