@@ -29,7 +29,7 @@ HALVINGS, CLOSE = 14, 0.05  # of tension; error of the force that is asked for [
 # stiffness, 2000, changes the force of a ball on rubber by 0.1 %, and often fails: few points of the mesh press.
 Stage = tuple[int, int, int, float]
 STAGES: Sequence[Stage] = ((20, 5, 1, 20.0), (20, 5, 2, 20.0), (20, 5, 2, 100.0))
-WASTED = 30  # iterations of failed steps, after which a stage that begins at another is given up
+WASTED = 100  # iterations of failed steps, after which a stage that begins at another is given up
 
 
 def drawn(random: np.random.Generator, place: str, shape: str) -> Table:
