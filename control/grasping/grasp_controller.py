@@ -208,7 +208,9 @@ class Grip:
         if held != CONVERGED:
             self.status = "unreachable" if np.isfinite(self.distance) else "out_of_domain"
             return
-        if self._close_enough() or self._stuck(tensions):
+        if self._close_enough():
+            tensions = self.tensions
+        if self._stuck(tensions):
             tensions = self.tensions
         change = self._finger.limits.rate * self._options.period
         change_wanted = tensions - self.tensions

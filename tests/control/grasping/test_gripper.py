@@ -74,6 +74,21 @@ def test_a_finger_that_sticks_does_not_press_harder_and_harder(table):
     assert grip.tensions[0] < before - 3 and grip.status == "moving"
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_finger_that_an_object_approaches_does_not_stick(table, noise):
+    options = GraspOptions(squeeze_steps=10, approach_step=0.5, tolerance=0.15, dead_band=0.15, noise=noise)
+    grip, plant = Gripper(table).grips(1.0, options)[0], SimulatedPlant(table, 0.012, Flaws(noise=noise))
+    forces, tensions = [], []
+    for k in range(900):
+        plant._distance -= 5e-6 * (k >= 300)
+        felt = plant.pull(grip.tensions)
+        grip.step(felt)
+        forces.append(plant.contact_force)
+        tensions.append(grip.tensions[0])
+    assert grip.status == "converged" and tensions[-1] < tensions[299] - 4
+    assert max(forces[300:]) < 1.25
+
+
 def test_readings_are_believed_no_faster_than_a_finger_settles(table):
     options = GraspOptions(period=0.005, settling=0.05)
     assert options.gain(1.0) == pytest.approx(0.1) and GraspOptions(period=0.005).gain(1.0) == 1.0
