@@ -170,7 +170,7 @@ class Grip:
         if self._touching >= (1 if self._options.noise == 0 else 2):
             self._happened("touch")
             self.stage, self.status, self.distance, self.felt = "squeeze", "moving", np.nan, felt
-            self._aim, self._missing, self._seen = min(felt, self._target), 0, 0
+            self._aim, self._missing, self._seen, self._eased = min(felt, self._target), 0, 0, np.inf
             return
         if self._touching:
             return  # a single such reading may be noise: wait

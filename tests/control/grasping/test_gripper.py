@@ -74,6 +74,19 @@ def test_a_finger_that_sticks_does_not_press_harder_and_harder(table):
     assert grip.tensions[0] < before - 3 and grip.status == "moving"
 
 
+def test_a_finger_that_stuck_lowers_its_tension_at_another_object(table):
+    options = GraspOptions(approach_step=3.0, squeeze_steps=10, tolerance=0.15, dead_band=0.15)
+    grip, stuck, other = Gripper(table).grips(1.0, options)[0], Sticking(table, 0.01), SimulatedPlant(table, 0.008)
+    for target in (1.0, 0.7):
+        grip.target = target
+        for _ in range(200):
+            grip.step(stuck.pull(grip.tensions))
+    assert grip.status == "sticks"
+    grip.step(0.0)  # the object is taken away
+    felt = [reading for _ in range(200) for reading in [other.pull(grip.tensions)] if grip.step(reading).any()]
+    assert max(felt) > 1.1 and felt[-1] == pytest.approx(0.7, rel=0.15) and grip.status == "converged"
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.01])
 def test_a_finger_that_an_object_approaches_does_not_stick(table, noise):
     options = GraspOptions(squeeze_steps=10, approach_step=0.5, tolerance=0.15, dead_band=0.15, noise=noise)
